@@ -1,0 +1,7 @@
+include(CMakePackageConfigHelpers)
+install(EXPORT rayfieldTargets NAMESPACE rayfield:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rayfield)
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/rayfieldConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/rayfieldConfig.cmake INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rayfield)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rayfieldConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/rayfieldConfig.cmake ${PROJECT_BINARY_DIR}/rayfieldConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rayfield)

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "rayfield/core/result.h"
+
+namespace rayfield {
+
+/// What rayfield needs to know of a coordinate reference system.
+struct CrsInfo {
+  std::string code;  ///< as given, e.g. "EPSG:7854"
+  std::string name;  ///< "GDA2020 / MGA zone 54"
+  std::string wkt;   ///< WKT2:2019
+};
+
+/// Looks up a CRS and checks that maps can be made in it: known to PROJ, projected, axes in metres, easting first.
+/// Errors: usage, with the reason (unknown code, geographic, feet, south-orientated axes).
+Result<CrsInfo> lookup_projected_crs(const std::string& code);
+
+/// A projected CRS tied to the geographic datum under it and to a local tangent plane.
+/// All functions are const and safe to call from one thread per object (PROJ contexts are not shared).
+class MapFrame {
+ public:
+  /// `code`: a projected CRS as accepted by lookup_projected_crs().
+  static Result<MapFrame> create(const std::string& code);
+
+  /// Geodetic (degrees north, degrees east, height above the ellipsoid in m) on the CRS's own datum → map (E, N, h), m.
+  Eigen::Vector3d map_from_geodetic(const Eigen::Vector3d& latitude_longitude_height) const;
+  /// The inverse of map_from_geodetic().
+  Eigen::Vector3d geodetic_from_map(const Eigen::Vector3d& p_in_map) const;
+
+  /// Grid convergence at a map point: the angle from true north to grid north, clockwise positive, rad.
+  double convergence_rad(const Eigen::Vector3d& p_in_map) const;
+  /// Point scale factor at a map point: grid metres per ellipsoidal metre.
+  double scale_factor(const Eigen::Vector3d& p_in_map) const;
+
+  const CrsInfo& crs() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// A local east-north-up frame, metric and conformal at its origin (GeographicLib LocalCartesian on WGS 84).
+class TangentPlane {
+ public:
+  /// `latitude_longitude_height`: degrees, degrees, m.
+  explicit TangentPlane(const Eigen::Vector3d& latitude_longitude_height);
+  Eigen::Vector3d enu_from_geodetic(const Eigen::Vector3d& latitude_longitude_height) const;
+  Eigen::Vector3d geodetic_from_enu(const Eigen::Vector3d& p_in_enu) const;
+  const Eigen::Vector3d& origin() const { return origin_; }
+
+ private:
+  Eigen::Vector3d origin_;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// The 3×3 matrix of ∂map/∂enu at a point near the plane's origin (convergence, scale and Earth curvature to first
+/// order), by central differences over ±50 m.
+Eigen::Matrix3d map_from_enu_jacobian(const MapFrame& frame, const TangentPlane& plane,
+                                      const Eigen::Vector3d& p_in_enu);
+
+}  // namespace rayfield

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rayfield/core/grid2.h"
+
+/// What rayfield delivers, as plain values: filled by libdensity, written by formats. Map coordinates are easting and
+/// northing in the store's CRS, m. NaN = not scanned or undefined, 0 = scanned and empty.
+namespace rayfield {
+
+/// A row of vines. Row numbers count from 1 across the block, panel numbers from 1 along the row.
+struct RowProduct {
+  std::string row_uid;
+  int row_number = 0;
+  std::vector<Eigen::Vector2d> centreline;  ///< from the row's start to its end
+  double length_m = 0;
+  double spacing_m = 0;  ///< mean distance to the neighbouring rows; NaN for a single row
+};
+
+struct PanelProduct {
+  std::string panel_uid;
+  int row_number = 0, panel_number = 0;
+  double chainage_start_m = 0, chainage_end_m = 0;  ///< along the row's centreline
+  double length_m = 0;
+  std::vector<Eigen::Vector2d> outline;  ///< closed ring, counter-clockwise
+};
+
+struct PostProduct {
+  std::string post_uid;
+  int row_number = 0;
+  double chainage_m = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double ground_m = 0;   ///< height of the ground at the post
+  double height_m = 0;   ///< above the ground
+  bool detected = true;  ///< false: placed where the regular spacing wants one
+};
+
+struct ScanProduct {
+  std::string scan_id;
+  std::string scan_date;  ///< YYYY-MM-DD
+  std::string name;
+  std::string start_utc, end_utc;
+  std::uint64_t ray_count = 0;
+};
+
+/// One panel on one date. Areas are one-sided.
+struct PanelValue {
+  std::string panel_uid, scan_id, scan_date;
+  double plant_area_m2 = 0;  ///< everything that stops rays: leaves, wood, posts, wires
+  double leaf_area_m2 = 0;   ///< plant area less structure
+  double leaf_area_per_m = 0;
+  double lai = 0;  ///< leaf area / (panel length × row spacing)
+  double se_leaf_area_m2 = 0;
+  double ci_low_m2 = 0, ci_high_m2 = 0;  ///< 95 % interval of leaf_area_m2
+  double canopy_height_m = 0;
+  double canopy_width_m = 0;
+  double gap_fraction = 0;       ///< share of the panel's side view that lets light through
+  double observed_fraction = 0;  ///< share of voxels crossed by at least two rays
+  std::int64_t ray_count = 0;
+};
+
+/// Half a metre of row on one date.
+struct RowMetreProduct {
+  int row_number = 0;
+  double chainage_m = 0;  ///< centre of the half metre
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  std::string scan_id, scan_date;
+  double leaf_area_per_m = 0, plant_area_per_m = 0;
+};
+
+/// One map of one date; cell (0,0) is the south-west one, NaN = not scanned.
+struct RasterProduct {
+  std::string name;  ///< "plan_density", "plan_density_se", "canopy_height", "ground"
+  std::string unit;  ///< "m2/m2", "m"
+  std::string description;
+  Grid2<float> grid;
+};
+
+/// A vertical section, for pictures and engineering frames: x along (or across) the row from 0, y height above ground.
+struct SectionProduct {
+  std::string name;  ///< "side_view_row_3", "end_on_row_3"
+  std::string unit;
+  int row_number = 0;
+  Grid2<float> grid;
+};
+
+/// Everything known of one scan of a block.
+struct ScanResults {
+  ScanProduct scan;
+  std::vector<PanelValue> panel_values;
+  std::vector<RowMetreProduct> row_metres;
+  std::vector<SectionProduct> sections;
+};
+
+/// A block with all its dates (rasters travel apart: they are large).
+struct BlockProducts {
+  std::string block;  ///< name of the store
+  std::string crs;    ///< "EPSG:7854"
+  std::vector<RowProduct> rows;
+  std::vector<PanelProduct> panels;
+  std::vector<PostProduct> posts;
+  std::vector<ScanResults> scans;  ///< in the order of their dates
+};
+
+}  // namespace rayfield

@@ -1,0 +1,162 @@
+#include "rayfield/core/map_frame.h"
+
+#include <fmt/core.h>
+#include <proj.h>
+
+#include <Eigen/LU>
+#include <GeographicLib/LocalCartesian.hpp>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+namespace rayfield {
+namespace {
+
+struct ContextDeleter {
+  void operator()(PJ_CONTEXT* c) const { proj_context_destroy(c); }
+};
+struct PjDeleter {
+  void operator()(PJ* p) const { proj_destroy(p); }
+};
+using ContextPtr = std::unique_ptr<PJ_CONTEXT, ContextDeleter>;
+using PjPtr = std::unique_ptr<PJ, PjDeleter>;
+
+ContextPtr make_context() {
+  ContextPtr context(proj_context_create());
+  proj_log_level(context.get(), PJ_LOG_NONE);
+  proj_context_set_enable_network(context.get(), 0);
+  return context;
+}
+
+tl::unexpected<Error> bad_crs(const std::string& code, std::string_view why) {
+  return fail(
+      ErrorCode::usage, "cannot use coordinate reference system", code, why,
+      "give a projected CRS in metres, e.g. EPSG:7854 (GDA2020 / MGA zone 54) or EPSG:32633 (WGS 84 / UTM zone 33N)");
+}
+
+// The horizontal part of a compound CRS, or the CRS itself.
+PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
+  if (proj_get_type(crs.get()) == PJ_TYPE_COMPOUND_CRS) return PjPtr(proj_crs_get_sub_crs(context, crs.get(), 0));
+  return crs;
+}
+
+Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
+  PjPtr crs(proj_create(context, code.c_str()));
+  if (!crs || !proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");
+  crs = horizontal_part(context, std::move(crs));
+  const PJ_TYPE type = proj_get_type(crs.get());
+  if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS || type == PJ_TYPE_GEOCENTRIC_CRS)
+    return bad_crs(code, "it is geographic (degrees); areas and voxels need metres");
+  if (type != PJ_TYPE_PROJECTED_CRS) return bad_crs(code, "it is not a projected CRS");
+  const PjPtr axes(proj_crs_get_coordinate_system(context, crs.get()));
+  for (int axis = 0; axis < 2; ++axis) {
+    const char* direction = nullptr;
+    double unit = 0;
+    if (!axes || !proj_cs_get_axis_info(context, axes.get(), axis, nullptr, nullptr, &direction, &unit, nullptr,
+                                        nullptr, nullptr))
+      return bad_crs(code, "its axes are unknown");
+    if (std::abs(unit - 1.0) > 1e-12) return bad_crs(code, "its axes are not in metres");
+    const std::string_view d(direction);
+    if (d != "east" && d != "north") return bad_crs(code, "its axes do not point east and north");
+  }
+  return crs;
+}
+
+}  // namespace
+
+Result<CrsInfo> lookup_projected_crs(const std::string& code) {
+  const ContextPtr context = make_context();
+  RAYFIELD_ASSIGN(const PjPtr crs, open_projected(context.get(), code));
+  CrsInfo info;
+  info.code = code;
+  info.name = proj_get_name(crs.get());
+  const char* wkt = proj_as_wkt(context.get(), crs.get(), PJ_WKT2_2019, nullptr);
+  if (wkt != nullptr) info.wkt = wkt;
+  return info;
+}
+
+struct MapFrame::Impl {
+  ContextPtr context;
+  PjPtr map_from_geodetic;  // input longitude, latitude in degrees; output easting, northing
+  PjPtr crs_object;
+  CrsInfo info;
+};
+
+Result<MapFrame> MapFrame::create(const std::string& code) {
+  auto impl = std::make_shared<Impl>();
+  RAYFIELD_ASSIGN(impl->info, lookup_projected_crs(code));
+  impl->context = make_context();
+  RAYFIELD_ASSIGN(impl->crs_object, open_projected(impl->context.get(), code));
+  const PjPtr geographic(proj_crs_get_geodetic_crs(impl->context.get(), impl->crs_object.get()));
+  if (!geographic) return bad_crs(code, "it has no geographic base");
+  const PjPtr operation(
+      proj_create_crs_to_crs_from_pj(impl->context.get(), geographic.get(), impl->crs_object.get(), nullptr, nullptr));
+  if (!operation) return bad_crs(code, "PROJ finds no transformation from its geographic base");
+  impl->map_from_geodetic.reset(proj_normalize_for_visualization(impl->context.get(), operation.get()));
+  if (!impl->map_from_geodetic) return bad_crs(code, "PROJ cannot normalise its axis order");
+  MapFrame frame;
+  frame.impl_ = std::move(impl);
+  return frame;
+}
+
+Eigen::Vector3d MapFrame::map_from_geodetic(const Eigen::Vector3d& llh) const {
+  const PJ_COORD out = proj_trans(impl_->map_from_geodetic.get(), PJ_FWD, proj_coord(llh.y(), llh.x(), llh.z(), 0));
+  return {out.xyz.x, out.xyz.y, llh.z()};
+}
+
+Eigen::Vector3d MapFrame::geodetic_from_map(const Eigen::Vector3d& p) const {
+  const PJ_COORD out = proj_trans(impl_->map_from_geodetic.get(), PJ_INV, proj_coord(p.x(), p.y(), p.z(), 0));
+  return {out.xyz.y, out.xyz.x, p.z()};
+}
+
+double MapFrame::convergence_rad(const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d llh = geodetic_from_map(p);
+  const double step_deg = 1e-4;
+  const Eigen::Vector3d north = map_from_geodetic(llh + Eigen::Vector3d(step_deg, 0, 0));
+  const Eigen::Vector3d south = map_from_geodetic(llh - Eigen::Vector3d(step_deg, 0, 0));
+  // True north as seen on the grid points at atan2(dE, dN); grid north lies at minus that from true north.
+  return -std::atan2(north.x() - south.x(), north.y() - south.y());
+}
+
+double MapFrame::scale_factor(const Eigen::Vector3d& p) const {
+  const Eigen::Vector3d llh = geodetic_from_map(p);
+  const TangentPlane plane({llh.x(), llh.y(), 0});
+  const Eigen::Matrix3d j = map_from_enu_jacobian(*this, plane, Eigen::Vector3d::Zero());
+  return std::sqrt(std::abs(j.topLeftCorner<2, 2>().determinant()));
+}
+
+const CrsInfo& MapFrame::crs() const { return impl_->info; }
+
+struct TangentPlane::Impl {
+  GeographicLib::LocalCartesian plane;
+};
+
+TangentPlane::TangentPlane(const Eigen::Vector3d& llh)
+    : origin_(llh), impl_(std::make_shared<Impl>(Impl{GeographicLib::LocalCartesian(llh.x(), llh.y(), llh.z())})) {}
+
+Eigen::Vector3d TangentPlane::enu_from_geodetic(const Eigen::Vector3d& llh) const {
+  Eigen::Vector3d p;
+  impl_->plane.Forward(llh.x(), llh.y(), llh.z(), p.x(), p.y(), p.z());
+  return p;
+}
+
+Eigen::Vector3d TangentPlane::geodetic_from_enu(const Eigen::Vector3d& p) const {
+  Eigen::Vector3d llh;
+  impl_->plane.Reverse(p.x(), p.y(), p.z(), llh.x(), llh.y(), llh.z());
+  return llh;
+}
+
+Eigen::Matrix3d map_from_enu_jacobian(const MapFrame& frame, const TangentPlane& plane, const Eigen::Vector3d& p) {
+  constexpr double kStep = 50.0;
+  Eigen::Matrix3d j;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
+    j.col(axis) = (frame.map_from_geodetic(plane.geodetic_from_enu(p + step)) -
+                   frame.map_from_geodetic(plane.geodetic_from_enu(p - step))) /
+                  (2 * kStep);
+  }
+  return j;
+}
+
+}  // namespace rayfield
