@@ -44,16 +44,18 @@ tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::s
 }  // namespace rayfield
 
 /// Evaluates `expr` (a Result); returns its error from the enclosing function or moves its value into `lhs`.
+/// Names are numbered by __COUNTER__, so that uses may nest in lambdas.
 #define RAYFIELD_CONCAT_INNER(a, b) a##b
 #define RAYFIELD_CONCAT(a, b) RAYFIELD_CONCAT_INNER(a, b)
-#define RAYFIELD_ASSIGN(lhs, expr)                                                              \
-  auto RAYFIELD_CONCAT(rayfield_result_, __LINE__) = (expr);                                    \
-  if (!RAYFIELD_CONCAT(rayfield_result_, __LINE__))                                             \
-    return tl::make_unexpected(std::move(RAYFIELD_CONCAT(rayfield_result_, __LINE__)).error()); \
-  lhs = std::move(*RAYFIELD_CONCAT(rayfield_result_, __LINE__))
+#define RAYFIELD_ASSIGN_INNER(result, lhs, expr)                      \
+  auto result = (expr);                                               \
+  if (!result) return tl::make_unexpected(std::move(result).error()); \
+  lhs = std::move(*result)
+#define RAYFIELD_ASSIGN(lhs, expr) RAYFIELD_ASSIGN_INNER(RAYFIELD_CONCAT(rayfield_result_, __COUNTER__), lhs, expr)
 /// Evaluates `expr` (a Result<void>) and returns its error from the enclosing function.
-#define RAYFIELD_CHECK(expr)                                                                          \
-  do {                                                                                                \
-    auto rayfield_check_result = (expr);                                                              \
-    if (!rayfield_check_result) return tl::make_unexpected(std::move(rayfield_check_result).error()); \
+#define RAYFIELD_CHECK_INNER(result, expr)                              \
+  do {                                                                  \
+    auto result = (expr);                                               \
+    if (!result) return tl::make_unexpected(std::move(result).error()); \
   } while (false)
+#define RAYFIELD_CHECK(expr) RAYFIELD_CHECK_INNER(RAYFIELD_CONCAT(rayfield_check_, __COUNTER__), expr)

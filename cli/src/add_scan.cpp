@@ -1,0 +1,114 @@
+#include "add_scan.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <memory>
+
+#include "rayfield/core/parallel.h"
+#include "rayfield/core/sha256.h"
+#include "rayfield/formats/formats.h"
+
+namespace rayfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Several streams one after the other.
+class JoinedSource : public RaySource {
+ public:
+  explicit JoinedSource(std::vector<std::unique_ptr<RaySource>> parts) : parts_(std::move(parts)) {}
+
+  Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
+    for (; current_ < parts_.size(); ++current_) {
+      RAYFIELD_ASSIGN(const std::size_t count, parts_[current_]->read(batch, max_rays));
+      if (count > 0) return count;
+    }
+    batch.clear();
+    return std::size_t{0};
+  }
+
+  Result<bool> rewind() override {
+    for (const auto& part : parts_) {
+      RAYFIELD_ASSIGN(const bool rewound, part->rewind());
+      if (!rewound) return false;
+    }
+    current_ = 0;
+    return true;
+  }
+
+  std::optional<std::uint64_t> ray_count() const override {
+    std::uint64_t total = 0;
+    for (const auto& part : parts_) {
+      const auto count = part->ray_count();
+      if (!count) return std::nullopt;
+      total += *count;
+    }
+    return total;
+  }
+
+  std::string name() const override {
+    return parts_.size() == 1 ? parts_[0]->name() : fmt::format("{} and {} more", parts_[0]->name(), parts_.size() - 1);
+  }
+
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all;
+    for (const auto& part : parts_)
+      for (const std::string& warning : part->warnings()) all.push_back(warning);
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<RaySource>> parts_;
+  std::size_t current_ = 0;
+};
+
+// Size and SHA-256 of a file.
+Result<tile::InputEntry> describe_input(const fs::path& path) {
+  tile::InputEntry entry;
+  entry.name = path.filename().string();
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return fail_errno(errno, "cannot read ray cloud", path.string(), "check the path");
+  Sha256 hash;
+  std::vector<std::byte> buffer(std::size_t{1} << 20);
+  while (true) {
+    const ssize_t count = ::read(file, buffer.data(), buffer.size());
+    if (count < 0) {
+      const int error = errno;
+      ::close(file);
+      return fail_errno(error, "cannot read ray cloud", path.string(), "check the file");
+    }
+    if (count == 0) break;
+    hash.update(std::span<const std::byte>(buffer.data(), static_cast<std::size_t>(count)));
+    entry.size += static_cast<std::uint64_t>(count);
+  }
+  ::close(file);
+  entry.sha256 = hash.hex();
+  return entry;
+}
+
+}  // namespace
+
+Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<fs::path>& clouds, tile::AddOptions options,
+                                   Progress& progress) {
+  std::vector<std::unique_ptr<RaySource>> parts;
+  for (const fs::path& path : clouds) {
+    RAYFIELD_ASSIGN(std::unique_ptr<formats::PlyReader> reader, formats::PlyReader::open(path.string()));
+    if (reader->crs() && *reader->crs() != store.config().crs)
+      return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
+                  fmt::format("it is in {}, the store in {}", *reader->crs(), store.config().crs),
+                  "transform it, or make a store in its CRS");
+    parts.push_back(std::move(reader));
+  }
+  options.inputs.resize(clouds.size());
+  RAYFIELD_CHECK(parallel_for(clouds.size(), options.threads, [&](std::size_t i, int) -> Result<void> {
+    RAYFIELD_ASSIGN(options.inputs[i], describe_input(clouds[i]));
+    return {};
+  }));
+  JoinedSource rays(std::move(parts));
+  return store.add(rays, options, progress);
+}
+
+}  // namespace rayfield::cli

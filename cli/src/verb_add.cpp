@@ -1,0 +1,89 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "add_scan.h"
+#include "rayfield/core/date.h"
+#include "rayfield/formats/formats.h"
+#include "text.h"
+#include "verbs.h"
+
+namespace rayfield::cli {
+namespace {
+
+struct AddArguments {
+  std::string store, date, name;
+  std::vector<std::string> clouds;
+};
+
+// What --dry-run says: how much there is to read and about what the tiles will take.
+Result<Outcome> describe_add(const tile::Store& store, const std::vector<std::filesystem::path>& clouds) {
+  constexpr std::uint64_t kBytesPerRay = 20;  // upper bound for vineyards, docs/store-format.md
+  std::uint64_t rays = 0;
+  for (const auto& path : clouds) {
+    RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path.string()));
+    rays += reader->ray_count().value_or(0);
+  }
+  Outcome outcome;
+  outcome.data = {
+      {"store", store.folder().string()}, {"dry_run", true}, {"rays", rays}, {"disk_bytes", rays * kBytesPerRay}};
+  outcome.text =
+      fmt::format("Would add {} rays; the tiles will take up to {}\n", grouped(rays), bytes_text(rays * kBytesPerRay));
+  return outcome;
+}
+
+Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
+  tile::AddOptions options;
+  RAYFIELD_ASSIGN(options.date, parse_date(arguments.date));
+  options.name = arguments.name;
+  options.overwrite = context.options.overwrite;
+  options.threads = context.options.threads;
+  options.memory_bytes = context.options.memory_bytes;
+  options.command = context.command_line;
+  RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
+  const std::vector<std::filesystem::path> clouds(arguments.clouds.begin(), arguments.clouds.end());
+  if (context.options.dry_run) return describe_add(store, clouds);
+  RAYFIELD_ASSIGN(const tile::AddReport report, add_clouds(store, clouds, options, context.progress));
+
+  Outcome outcome;
+  outcome.data = {
+      {"store", arguments.store},
+      {"scan_id", report.scan_id},
+      {"already_there", report.already_there},
+      {"rays", report.ray_count},
+      {"hits", report.hit_count},
+      {"segments", report.segment_count},
+      {"tiles", report.tile_count},
+      {"bytes_written", report.bytes_written},
+      {"bytes_per_ray",
+       report.ray_count > 0 ? static_cast<double>(report.bytes_written) / static_cast<double>(report.ray_count) : 0.0},
+      {"dropped", report.dropped},
+      {"warnings", report.warnings}};
+  if (report.already_there) {
+    outcome.text = fmt::format("{}: already in the store, with the same content; nothing to do\n", report.scan_id);
+    return outcome;
+  }
+  outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
+                             report.tile_count, bytes_text(report.bytes_written));
+  for (const std::string& warning : report.warnings) context.progress.warn(warning);
+  return outcome;
+}
+
+}  // namespace
+
+void add_add_verb(Commands& commands) {
+  const auto arguments = std::make_shared<AddArguments>();
+  CLI::App* command =
+      commands.add("add", "Tile a scan into the store", "rayfield add myblock scan.ply --date 2019-02-11",
+                   [arguments](Context& context) { return run_add(*arguments, context); });
+  command->add_option("STORE", arguments->store, "Folder of the store")->required();
+  command
+      ->add_option("CLOUD", arguments->clouds,
+                   "Ray clouds (raycloudtools PLY) of one scan, in the order of their times")
+      ->required();
+  command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
+  command->add_option("--name", arguments->name,
+                      "Label of the scan, e.g. veraison; needed for a second scan of one day");
+}
+
+}  // namespace rayfield::cli

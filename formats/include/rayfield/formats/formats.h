@@ -1,0 +1,19 @@
+#pragma once
+
+/// Readers and writers at the edge: one header per format.
+
+// Products for GIS and for people (docs/products.md)
+#include "rayfield/formats/color.h"       // ramps and the fixed colour scale of each product
+#include "rayfield/formats/geotiff.h"     // rasters as Cloud Optimised GeoTIFF, sections in a local frame
+#include "rayfield/formats/geopackage.h"  // a block with all its dates as one GeoPackage
+#include "rayfield/formats/picture.h"     // plan views, side views and end-on sections as PNG
+#include "rayfield/formats/canvas.h"      // points, lines and text on a PNG of one's own
+#include "rayfield/formats/exchange.h"    // GeoJSON and CSV
+#include "rayfield/formats/rosbag_reader.h"
+#include "rayfield/formats/rosbag_writer.h"
+#include "rayfield/formats/sensor_log.h"
+#include "rayfield/formats/sensor_log_writer.h"
+#include "rayfield/formats/ply_reader.h"
+#include "rayfield/formats/ply_writer.h"
+#include "rayfield/formats/rig_file.h"
+#include "rayfield/formats/trajectory_file.h"

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rayfield/core/products.h"
+#include "rayfield/core/result.h"
+#include "rayfield/formats/canvas.h"
+#include "rayfield/formats/color.h"
+
+/// Maps, plans and vertical sections as PNG, without a display. NaN is hatched grey ("not scanned"), zero is light.
+/// For several drawings of one's own, see canvas.h.
+namespace rayfield::formats {
+
+struct PictureOptions {
+  /// Width of the picture, 400 … 8000 px. Type and lines grow with it.
+  int width_px = 1600;
+  /// The map is drawn smaller where the picture would become higher than this, 300 … 20000 px.
+  int max_height_px = 1500;
+  std::string title, subtitle;
+  /// Default: product_scale() of the product's name.
+  std::optional<ColorScale> scale;
+  /// Heading of the colour bar; default: a name made from the product and its unit.
+  std::string legend;
+  /// Plan views: cut off margins that were not scanned and hold no overlay.
+  bool crop_to_data = true;
+  /// Plan views: eastings and northings along the frame.
+  bool coordinates = true;
+
+  Result<void> validate() const;
+};
+
+/// Things drawn over a map, or alone as a plan. Map coordinates, m.
+struct PlanLine {
+  std::vector<Eigen::Vector2d> points;
+  StrokeStyle style;
+  bool closed = false;
+};
+struct PlanMarker {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Rgba color{120, 80, 50, 255};
+  double radius_px = 3;
+};
+struct PlanLabel {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  std::string text;
+  TextStyle style;
+};
+struct PlanKey {  ///< an entry of the legend: a short line in this style (or markers), and its meaning
+  StrokeStyle style;
+  std::string text;
+  std::vector<PlanMarker> markers;  ///< where not empty: these upon each other instead of the line
+};
+struct PlanOverlay {
+  std::vector<PlanLine> lines;
+  std::vector<PlanMarker> markers;
+  std::vector<PlanLabel> labels;
+  std::vector<PlanKey> keys;
+};
+
+/// Panel outlines, posts (hollow where not detected) and row numbers of a block.
+PlanOverlay block_overlay(const BlockProducts& block);
+
+/// A raster with colour bar, scale bar, north arrow, title, and what lies over it. Cells are averaged by area where the
+/// picture is coarser than the raster (cells without a value left out). Errors: usage (options), bad_input (no such
+/// folder), resources, internal.
+Result<void> write_plan_picture(const RasterProduct& raster, const PlanOverlay& overlay, const std::string& path,
+                                const PictureOptions& options = {});
+
+/// A plan without a raster, e.g. of a trajectory; nothing to draw gives an error (usage).
+Result<void> write_plan_picture(const PlanOverlay& overlay, const std::string& path,
+                                const PictureOptions& options = {});
+
+/// A section and what to write before it ("row 3", "2019-02-11").
+struct LabelledSection {
+  const SectionProduct* section = nullptr;
+  std::string label;
+  std::vector<double> marks_m;  ///< thin vertical lines at these distances along the section, e.g. posts
+};
+
+/// Vertical sections under each other on one scale, in the same proportions (no exaggeration), axes in metres. Sections
+/// too long for the width are continued on further lines. Errors: as write_plan_picture().
+Result<void> write_section_picture(std::span<const LabelledSection> sections, const std::string& path,
+                                   const PictureOptions& options = {});
+Result<void> write_section_picture(const SectionProduct& section, const std::string& path,
+                                   const PictureOptions& options = {});
+
+}  // namespace rayfield::formats

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "rayfield/core/result.h"
+#include "rayfield/core/rig.h"
+
+/// The rig file (docs/rig.md): TOML with the tables lidar, spinner, imu, gps, extrinsics and time.
+namespace rayfield::formats {
+
+/// Reads and checks a rig file. Unknown keys are refused; quaternions and axes must be unit within 1e-3 and are
+/// normalised. Errors: usage with the line in `where` (syntax, unknown or missing keys, values out of range),
+/// bad_input or resources where the file cannot be read.
+Result<Rig> read_rig(const std::string& path);
+
+/// The same for text already in memory; `name` stands for the path in messages.
+Result<Rig> parse_rig(std::string_view text, const std::string& name);
+
+/// The rig as a rig file; parse_rig() of it gives the same rig.
+std::string rig_text(const Rig& rig);
+
+Result<void> write_rig(const std::string& path, const Rig& rig);
+
+/// Checks ranges and units of a rig, wherever it comes from. Errors: usage.
+Result<void> validate_rig(const Rig& rig);
+
+}  // namespace rayfield::formats

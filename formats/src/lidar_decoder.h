@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rayfield/core/result.h"
+#include "rayfield/core/rig.h"
+#include "rayfield/core/sensor_log.h"
+#include "rayfield/formats/sensor_log.h"
+#include "ros_messages.h"
+
+namespace rayfield::formats {
+
+enum class DecodeState { usable, undecodable, invalid };
+
+/// Turns LaserScan and PointCloud2 messages into LidarScan under a rig's range convention.
+class LidarDecoder {
+ public:
+  explicit LidarDecoder(const Rig::Lidar& lidar) : lidar_(lidar) {}
+
+  /// Decodes into scan(); `stamp_ns` replaces the header's stamp. An invalid scan has not a single usable measurement.
+  /// Errors: bad_input, usage (without `where`, which the caller knows).
+  Result<DecodeState> laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns);
+  Result<DecodeState> point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns);
+
+  const LidarScan& scan() const { return scan_; }
+  const LidarPointCounts& counts() const { return counts_; }
+
+ private:
+  float classified(float range_m);
+  DecodeState judged(const LidarPointCounts& before) const;
+  void use_pattern(const LaserScanView& view);
+
+  Rig::Lidar lidar_;
+  LidarScan scan_;
+  LidarPointCounts counts_;
+  // The pattern whose directions and times scan_ holds: a lidar keeps the same one from scan to scan.
+  bool has_pattern_ = false;
+  float angle_min_ = 0, angle_increment_ = 0, time_increment_ = 0;
+};
+
+/// Time of each point of a cloud relative to the stamp of its message.
+class PointTime {
+ public:
+  /// Finds the field that carries time per point (time, t, timestamp, offset_time and the like; docs/rosbag.md) and
+  /// its unit. Errors: bad_input where the cloud has none.
+  static Result<PointTime> find(const PointCloud2View& cloud);
+  /// Seconds after `stamp_ns`.
+  double offset_s(const std::byte* point, std::int64_t stamp_ns) const;
+
+ private:
+  enum class Unit { offset_s, offset_ns, absolute_s, absolute_us, absolute_ns };
+  PointFieldView field_;
+  Unit unit_ = Unit::offset_s;
+};
+
+/// Reads a field of any type as a double.
+double point_value(const std::byte* point, const PointFieldView& field);
+
+}  // namespace rayfield::formats

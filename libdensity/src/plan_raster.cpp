@@ -1,0 +1,156 @@
+#include "rayfield/density/plan_raster.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "rayfield/density/integrate.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+struct Polygon {
+  std::array<Eigen::Vector2d, 16> corner;
+  std::size_t count = 0;
+};
+
+/// Keeps the side of the line coordinate[axis] = limit on which sign·(coordinate − limit) ≥ 0 (Sutherland & Hodgman).
+Polygon cut(const Polygon& in, int axis, double limit, double sign) {
+  Polygon out;
+  for (std::size_t i = 0; i < in.count; ++i) {
+    const Eigen::Vector2d &a = in.corner[i], &b = in.corner[(i + 1) % in.count];
+    const double da = sign * (a[axis] - limit), db = sign * (b[axis] - limit);
+    if (da >= 0) out.corner[out.count++] = a;
+    if ((da > 0 && db < 0) || (da < 0 && db > 0)) out.corner[out.count++] = a + da / (da - db) * (b - a);
+  }
+  return out;
+}
+
+double polygon_area(const Polygon& p) {
+  double twice = 0;
+  for (std::size_t i = 0; i < p.count; ++i) {
+    const Eigen::Vector2d a = p.corner[i] - p.corner[0], b = p.corner[(i + 1) % p.count] - p.corner[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::max(0.0, twice / 2);
+}
+
+std::array<Eigen::Vector2d, 4> column_square(const RowDensity& row, int along, int across) {
+  const Eigen::Vector2d center = row.center(along, across), u = row.stretch(along).direction * (row.voxel_m / 2);
+  const Eigen::Vector2d v(-u.y(), u.x());
+  return {center - u - v, center + u - v, center + u + v, center - u + v};
+}
+
+struct Column {
+  double area = 0, variance = 0, height = 0;
+  bool seen = false, canopy = false;
+};
+
+Column column_of(const RowDensity& row, int along, int across, double height_share, std::vector<double>& layers) {
+  Column out;
+  layers.assign(static_cast<std::size_t>(row.n_up), 0);
+  for (int u = 0; u < row.n_up; ++u) {
+    out.area += row.plant_area(along, across, u);
+    out.variance += row.area_variance(along, across, u);
+    out.seen = out.seen || row.state[row.index(along, across, u)] != VoxelState::unobserved;
+    layers[static_cast<std::size_t>(u)] = row.canopy_area(along, across, u);
+  }
+  // Masked wood is known wherever it stands, also where no ray could pass.
+  out.seen = out.seen || out.area > 0;
+  const double top = quantile_height(layers, row.voxel_m, height_share);
+  if (std::isfinite(top)) out.canopy = true, out.height = row.up_min_m + top;
+  return out;
+}
+
+}  // namespace
+
+Result<void> PlanRasterOptions::validate() const {
+  if (!(cell_m >= 0.01 && cell_m <= 10))
+    return fail(ErrorCode::usage, "bad raster option", "cell_m", "must lie in 0.01…10 m");
+  if (!(height_share >= 0.5 && height_share <= 1))
+    return fail(ErrorCode::usage, "bad raster option", "height_share", "must lie in 0.5…1");
+  return {};
+}
+
+double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  Polygon p;
+  p.count = std::min<std::size_t>(polygon.size(), 8);
+  std::copy_n(polygon.begin(), p.count, p.corner.begin());
+  for (int axis = 0; axis < 2; ++axis) p = cut(cut(p, axis, low[axis], 1), axis, high[axis], -1);
+  return polygon_area(p);
+}
+
+Result<PlanRaster> PlanRaster::create(std::span<const Stretch> stretches, const PlanRasterOptions& options) {
+  RAYFIELD_CHECK(options.validate());
+  if (stretches.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
+  Eigen::AlignedBox2d box;
+  for (const Stretch& s : stretches) {
+    const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
+    for (const double a : {0.0, s.n_along * s.voxel_m})
+      for (const double c : {s.across_min_m, s.across_min_m + s.n_across * s.voxel_m})
+        box.extend(Eigen::Vector2d(s.origin + a * s.direction + c * v));
+  }
+  const Eigen::Vector2d low = (box.min() / options.cell_m).array().floor(),
+                        high = (box.max() / options.cell_m).array().ceil();
+  const Eigen::Vector2d size = high - low;
+  if (!(size.x() * size.y() < 2147483648.0))
+    return fail(ErrorCode::resources, "cannot make maps", "block", "more than 2^31 cells", "use a larger cell size");
+  PlanRaster out;
+  out.options_ = options;
+  out.cells_ = Grid2<Cell>(low * options.cell_m, options.cell_m, std::max(1, static_cast<int>(size.x())),
+                           std::max(1, static_cast<int>(size.y())));
+  return out;
+}
+
+void PlanRaster::add(const RowDensity& row) {
+  const double cell = options_.cell_m, square = row.voxel_m * row.voxel_m;
+  std::vector<double> layers;
+  for (int a = 0; a < row.n_along; ++a)
+    for (int c = 0; c < row.n_across; ++c) {
+      const Column column = column_of(row, a, c, options_.height_share, layers);
+      if (!column.seen) continue;
+      const std::array<Eigen::Vector2d, 4> corners = column_square(row, a, c);
+      Eigen::AlignedBox2d box;
+      for (const Eigen::Vector2d& p : corners) box.extend(p);
+      const Eigen::Vector2d low = (box.min() - cells_.origin) / cell, high = (box.max() - cells_.origin) / cell;
+      const int x0 = std::clamp(static_cast<int>(std::floor(low.x())), 0, cells_.nx - 1),
+                x1 = std::clamp(static_cast<int>(std::floor(high.x())), 0, cells_.nx - 1);
+      const int y0 = std::clamp(static_cast<int>(std::floor(low.y())), 0, cells_.ny - 1),
+                y1 = std::clamp(static_cast<int>(std::floor(high.y())), 0, cells_.ny - 1);
+      for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+          const Eigen::Vector2d corner = cells_.origin + cell * Eigen::Vector2d(x, y);
+          const double overlap = overlap_area(corners, corner, corner.array() + cell);
+          if (!(overlap > 0)) continue;
+          const double share = overlap / square;
+          Cell& out = cells_.at(x, y);
+          out.area += share * column.area, out.variance += share * share * column.variance;
+          out.seen += overlap;
+          if (column.canopy) out.height += overlap * column.height, out.canopy += overlap;
+        }
+    }
+}
+
+std::vector<RasterProduct> PlanRaster::finish() const {
+  const Grid2<float> blank(cells_.origin, cells_.cell_m, cells_.nx, cells_.ny, kNaN);
+  std::vector<RasterProduct> out = {
+      {"plan_density", "m2/m2", "One-sided plant area (leaves, wood, posts, wires) above a square metre of ground",
+       blank},
+      {"plan_density_se", "m2/m2", "Standard error of plan_density", blank},
+      {"canopy_height", "m", "Height above the ground below which 97 % of the plant area of a column lies", blank}};
+  const double cell_area = cells_.cell_m * cells_.cell_m;
+  for (std::size_t i = 0; i < cells_.values.size(); ++i) {
+    const Cell& c = cells_.values[i];
+    if (!(c.seen > 0)) continue;
+    out[0].grid.values[i] = static_cast<float>(c.area / cell_area);
+    out[1].grid.values[i] = static_cast<float>(std::sqrt(c.variance) / cell_area);
+    out[2].grid.values[i] = c.canopy > 0 ? static_cast<float>(c.height / c.canopy) : 0.0F;
+  }
+  return out;
+}
+
+}  // namespace rayfield::density

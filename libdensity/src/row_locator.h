@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "rayfield/core/grid2.h"
+#include "rayfield/density/row_layout.h"
+#include "rayfield/tile/segments.h"
+
+namespace rayfield::density {
+
+/// Finds the nearest row to points of one widened tile, and the point's place along and across that row.
+class RowLocator {
+ public:
+  /// Looks at rows up to `half_width_m` away. `layout` must outlive the locator.
+  RowLocator(const RowLayout& layout, tile::TileIndex index, double tile_size_m, double margin_m, double half_width_m);
+
+  struct Place {
+    int row = 0;  ///< index into RowLayout::rows
+    double chainage_m = 0, across_m = 0;
+  };
+  /// nullopt beyond half_width_m, before a row's start or after its end (each prolonged by `beyond_m`).
+  std::optional<Place> locate(const Eigen::Vector2d& p_in_map, double beyond_m = 0) const;
+
+  /// Rows that pass through the widened tile and the chainages between which they do.
+  struct Reach {
+    int row = 0;
+    double start_m = 0, end_m = 0;
+  };
+  const std::vector<Reach>& reaches() const { return reaches_; }
+
+ private:
+  struct Nearest {
+    std::int32_t row = -1, segment = 0;
+    float distance = 0;
+  };
+  void enter(int row, int segment, double reach_m);
+
+  const RowLayout* layout_;
+  double half_width_m_;
+  std::vector<std::vector<double>> chainages_;  // of every vertex
+  Grid2<Nearest> cells_;
+  std::vector<Reach> reaches_;
+};
+
+}  // namespace rayfield::density

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "derive.h"
+#include "rayfield/density/process.h"
+#include "rayfield/density/stretches.h"
+
+namespace rayfield::density {
+
+/// What the stages of one scan share.
+struct ScanWork {
+  const tile::Store& store;
+  const tile::ScanEntry& scan;
+  const ProcessOptions& options;
+  Derivation& files;
+  Progress& progress;
+  int threads = 1;
+  std::string layout_key = {};  ///< names the layout in the keys of what depends on it
+
+  double tile_size_m() const { return store.config().tile_size_m; }
+};
+
+/// ErrorCode::interrupted once the user asked to stop.
+Result<void> check_cancelled(const Progress& progress);
+
+/// The first stages, which need nothing but the rays.
+struct SurveyedScan {
+  std::vector<TileSurvey> surveys;  ///< in the order of the scan's tiles
+  GroundModel ground;
+};
+Result<SurveyedScan> survey_scan(ScanWork& work);
+
+/// Rows, posts and panels from one scan: the block's layout, when there is none yet.
+struct FoundLayout {
+  RowLayout layout;
+  std::vector<std::string> notes;
+};
+Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed);
+
+/// The voxel grids of the scan's rows.
+Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground);
+
+/// Counts rays in the voxels of every tile that a stretch touches; the counters stay in the store (kind "voxels").
+/// Returns the tiles that have any, in order.
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
+                                                  std::span<const WoodCylinder> wood);
+
+/// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster"). Returns the plant area
+/// of all panels, m².
+Result<double> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
+                              const StretchList& stretches, std::span<const WoodCylinder> wood,
+                              std::span<const tile::TileIndex> tiles);
+
+}  // namespace rayfield::density

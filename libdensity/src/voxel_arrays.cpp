@@ -1,0 +1,180 @@
+#include "rayfield/density/voxel_arrays.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kKind = "voxels";
+constexpr int kVersion = 1;
+constexpr std::size_t kReals = 11, kInts = 6;  // per stretch
+constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 28;
+
+template <class T>
+std::vector<T>& column(tile::ArraySet& set, const char* name) {
+  return std::get<std::vector<T>>(set.columns.try_emplace(name, std::vector<T>{}).first->second);
+}
+
+tl::unexpected<Error> damaged(const std::string& why) {
+  return fail(ErrorCode::damaged, "cannot read counted voxels", kKind, why, "run `rayfield verify`");
+}
+
+void push_stretch(const Stretch& s, std::vector<double>& reals, std::vector<std::int32_t>& ints) {
+  for (const double x : {s.origin.x(), s.origin.y(), s.direction.x(), s.direction.y(), s.chainage_m, s.ground_m,
+                         s.slope_along, s.slope_across, s.voxel_m})
+    reals.push_back(x);
+  reals.push_back(s.across_min_m), reals.push_back(s.up_min_m);
+  for (const int x : {s.row, s.index, s.first_along, s.n_along, s.n_across, s.n_up}) ints.push_back(x);
+}
+
+Result<Stretch> pull_stretch(std::span<const double> reals, std::span<const std::int32_t> ints) {
+  Stretch s;
+  s.origin = {reals[0], reals[1]}, s.direction = {reals[2], reals[3]};
+  s.chainage_m = reals[4], s.ground_m = reals[5], s.slope_along = reals[6], s.slope_across = reals[7],
+  s.voxel_m = reals[8];
+  s.across_min_m = reals[9], s.up_min_m = reals[10];
+  s.row = ints[0], s.index = ints[1], s.first_along = ints[2], s.n_along = ints[3], s.n_across = ints[4],
+  s.n_up = ints[5];
+  for (const double x : reals)
+    if (!std::isfinite(x)) return damaged("a stretch has numbers that are not finite");
+  if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || std::int64_t{s.n_along} * s.n_across > kMaxVoxels ||
+      std::int64_t{s.n_along} * s.n_across * s.n_up > kMaxVoxels || !(s.voxel_m > 0) ||
+      !(std::abs(s.direction.norm() - 1) < 1e-6))
+    return damaged("a stretch has impossible dimensions");
+  return s;
+}
+
+/// The columns of the file, as spans; where reading has got to in each.
+struct Cursor {
+  std::span<const std::int32_t> column;
+  std::span<const std::uint32_t> entries, rays, hits;
+  std::span<const std::int64_t> path, potential, path2, path3, hit_path, hit_path2, hit_path3;
+  std::size_t at_column = 0, at_entry = 0, at_voxel = 0, at_hit = 0;
+};
+
+Result<Cursor> open(const tile::ArraySet& a) {
+  Cursor c;
+  RAYFIELD_ASSIGN(c.column, a.column<std::int32_t>("column"));
+  RAYFIELD_ASSIGN(c.entries, a.column<std::uint32_t>("entries"));
+  RAYFIELD_ASSIGN(c.rays, a.column<std::uint32_t>("rays"));
+  RAYFIELD_ASSIGN(c.hits, a.column<std::uint32_t>("hits"));
+  RAYFIELD_ASSIGN(c.path, a.column<std::int64_t>("path"));
+  RAYFIELD_ASSIGN(c.potential, a.column<std::int64_t>("potential"));
+  RAYFIELD_ASSIGN(c.path2, a.column<std::int64_t>("path2"));
+  RAYFIELD_ASSIGN(c.path3, a.column<std::int64_t>("path3"));
+  RAYFIELD_ASSIGN(c.hit_path, a.column<std::int64_t>("hit_path"));
+  RAYFIELD_ASSIGN(c.hit_path2, a.column<std::int64_t>("hit_path2"));
+  RAYFIELD_ASSIGN(c.hit_path3, a.column<std::int64_t>("hit_path3"));
+  std::size_t hit_voxels = 0;
+  for (const std::uint32_t h : c.hits) hit_voxels += h > 0 ? 1u : 0u;
+  if (c.rays.size() != c.hits.size() || c.rays.size() != c.path.size()) return damaged("columns of voxels differ in length");
+  for (const auto& sums : {c.potential, c.path2, c.path3, c.hit_path, c.hit_path2, c.hit_path3})
+    if (sums.size() != hit_voxels) return damaged("sums over hits do not match the hits");
+  return c;
+}
+
+Result<void> pull_voxels(Cursor& c, StretchVoxels& out) {
+  const Stretch& s = out.stretch;
+  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
+  if (c.column.size() - c.at_column < columns) return damaged("the table of columns is too short");
+  out.column.assign(c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column),
+                    c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column + columns));
+  c.at_column += columns;
+  std::int32_t next = 0;
+  for (const std::int32_t number : out.column)
+    if (number != -1 && number != next++) return damaged("columns are not numbered in order");
+  const auto owned = static_cast<std::size_t>(next);
+  const std::size_t voxels = owned * static_cast<std::size_t>(s.n_up);
+  if (c.entries.size() - c.at_entry < owned || c.rays.size() - c.at_voxel < voxels)
+    return damaged("voxels are missing");
+  out.entries.assign(c.entries.begin() + static_cast<std::ptrdiff_t>(c.at_entry),
+                     c.entries.begin() + static_cast<std::ptrdiff_t>(c.at_entry + owned));
+  c.at_entry += owned;
+  out.voxels.resize(voxels);
+  for (VoxelCounters& v : out.voxels) {
+    const std::size_t i = c.at_voxel++;
+    v.rays = c.rays[i], v.hits = c.hits[i], v.path = c.path[i];
+    v.potential = v.path;
+    if (v.hits > v.rays || v.path < 0) return damaged("a voxel has more hits than rays, or a negative path");
+    if (v.hits == 0) continue;
+    const std::size_t h = c.at_hit++;
+    v.potential = c.potential[h], v.path2 = c.path2[h], v.path3 = c.path3[h];
+    v.hit_path = c.hit_path[h], v.hit_path2 = c.hit_path2[h], v.hit_path3 = c.hit_path3[h];
+  }
+  return {};
+}
+
+std::vector<std::uint64_t> pair_counts(const ElementPairs& p) {
+  std::vector<std::uint64_t> out;
+  for (const auto& counts : {p.near, p.front, p.same, p.behind}) out.insert(out.end(), counts.begin(), counts.end());
+  return out;
+}
+
+}  // namespace
+
+tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
+  tile::ArraySet out;
+  out.kind = kKind, out.version = kVersion;
+  out.attributes = R"({"path_unit":"voxel side * 2^-25","pairs":"near, front, same, behind; 16 bins of 5 mm"})";
+  column<std::int32_t>(out, "tile") = {voxels.tile.ix, voxels.tile.iy};
+  auto& pairs = column<std::int64_t>(out, "pairs");
+  for (const std::uint64_t n : pair_counts(voxels.pairs)) pairs.push_back(static_cast<std::int64_t>(n));
+  auto& reals = column<double>(out, "stretch_reals");
+  auto &ints = column<std::int32_t>(out, "stretch_ints"), &columns = column<std::int32_t>(out, "column");
+  auto &entries = column<std::uint32_t>(out, "entries"), &rays = column<std::uint32_t>(out, "rays"),
+       &hits = column<std::uint32_t>(out, "hits");
+  auto &path = column<std::int64_t>(out, "path"), &potential = column<std::int64_t>(out, "potential");
+  auto &path2 = column<std::int64_t>(out, "path2"), &path3 = column<std::int64_t>(out, "path3");
+  auto &hit_path = column<std::int64_t>(out, "hit_path"), &hit_path2 = column<std::int64_t>(out, "hit_path2"),
+       &hit_path3 = column<std::int64_t>(out, "hit_path3");
+  for (const StretchVoxels& s : voxels.stretches) {
+    push_stretch(s.stretch, reals, ints);
+    columns.insert(columns.end(), s.column.begin(), s.column.end());
+    entries.insert(entries.end(), s.entries.begin(), s.entries.end());
+    for (const VoxelCounters& v : s.voxels) {
+      rays.push_back(v.rays), hits.push_back(v.hits), path.push_back(v.path);
+      if (v.hits == 0) continue;
+      potential.push_back(v.potential), path2.push_back(v.path2), path3.push_back(v.path3);
+      hit_path.push_back(v.hit_path), hit_path2.push_back(v.hit_path2), hit_path3.push_back(v.hit_path3);
+    }
+  }
+  return out;
+}
+
+Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
+  if (arrays.kind != kKind || arrays.version != kVersion)
+    return damaged("it is '" + arrays.kind + "' version " + std::to_string(arrays.version));
+  RAYFIELD_ASSIGN(const auto tile, arrays.column<std::int32_t>("tile"));
+  RAYFIELD_ASSIGN(const auto pairs, arrays.column<std::int64_t>("pairs"));
+  RAYFIELD_ASSIGN(const auto reals, arrays.column<double>("stretch_reals"));
+  RAYFIELD_ASSIGN(const auto ints, arrays.column<std::int32_t>("stretch_ints"));
+  constexpr std::size_t real_count = kReals, bins = ElementPairs::kBins;
+  const std::size_t count = ints.size() / kInts;
+  if (tile.size() != 2 || pairs.size() != 4 * bins || ints.size() != count * kInts ||
+      reals.size() != count * real_count)
+    return damaged("tables of fixed size have another");
+  TileVoxels out;
+  out.tile = {tile[0], tile[1]};
+  const std::array<std::array<std::uint64_t, bins>*, 4> parts = {&out.pairs.near, &out.pairs.front, &out.pairs.same,
+                                                                 &out.pairs.behind};
+  for (std::size_t p = 0; p < 4; ++p)
+    for (std::size_t b = 0; b < bins; ++b) {
+      if (pairs[p * bins + b] < 0) return damaged("negative counts");
+      (*parts[p])[b] = static_cast<std::uint64_t>(pairs[p * bins + b]);
+    }
+  RAYFIELD_ASSIGN(Cursor cursor, open(arrays));
+  for (std::size_t i = 0; i < count; ++i) {
+    StretchVoxels s;
+    RAYFIELD_ASSIGN(s.stretch, pull_stretch(reals.subspan(i * real_count, real_count), ints.subspan(i * kInts, kInts)));
+    RAYFIELD_CHECK(pull_voxels(cursor, s));
+    out.stretches.push_back(std::move(s));
+  }
+  if (cursor.at_column != cursor.column.size() || cursor.at_entry != cursor.entries.size() ||
+      cursor.at_voxel != cursor.rays.size())
+    return damaged("there are more voxels than stretches have");
+  return out;
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rayfield/core/result.h"
+
+namespace rayfield::slam {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// A residual of `Rows` components linearised at the present estimate: e(x) ≈ error + Σ_k jacobian[k]·x[block[k]].
+/// Every unknown of both stages lives in a block of six.
+template <int Rows>
+struct LinearResidual {
+  static constexpr int kMaxBlocks = 12;
+  Eigen::Matrix<double, Rows, 1> error = Eigen::Matrix<double, Rows, 1>::Zero();
+  std::array<int, kMaxBlocks> block{};
+  std::array<Eigen::Matrix<double, Rows, 6>, kMaxBlocks> jacobian{};
+  int blocks = 0;
+
+  /// The Jacobian of `index`, zero at first; contributions of one block from two places add up.
+  Eigen::Matrix<double, Rows, 6>& at(int index) {
+    for (int k = 0; k < blocks; ++k)
+      if (block[k] == index) return jacobian[k];
+    block[blocks] = index;
+    jacobian[blocks].setZero();
+    return jacobian[blocks++];
+  }
+};
+
+/// Normal equations H x = −g of a weighted least-squares problem with blocks of six unknowns, the upper triangle of H
+/// held by blocks. Small systems (the window) index blocks directly and factor densely; large ones (the global stage)
+/// keep only the blocks that occur and factor sparsely. Sums run in the order of the calls.
+class BlockSystem {
+ public:
+  enum class Storage { dense, sparse };
+  BlockSystem(int blocks, Storage storage);
+
+  /// Sets every sum to zero and keeps the sparsity pattern.
+  void clear();
+
+  template <int Rows>
+  void add(const LinearResidual<Rows>& r, double weight) {
+    for (int i = 0; i < r.blocks; ++i) {
+      const Eigen::Matrix<double, 6, Rows> jt = weight * r.jacobian[i].transpose();
+      gradient_.template segment<6>(6 * r.block[i]).noalias() += jt * r.error;
+      for (int j = 0; j < r.blocks; ++j) {
+        if (r.block[i] > r.block[j]) continue;
+        at(r.block[i], r.block[j]).noalias() += jt * r.jacobian[j];
+      }
+    }
+  }
+
+  /// A prior x[block] ~ N(offset, diag(1/information)): adds its normal equations.
+  void add_prior(int block, const Vector6d& offset, const Vector6d& information);
+
+  /// Adds another system of the same size.
+  void add(const BlockSystem& other);
+
+  /// Solves for x by Cholesky factorisation. Errors: bad_input where H is not positive definite.
+  Result<Eigen::VectorXd> solve() const;
+
+  /// The diagonal 6×6 blocks of H⁻¹ (marginal covariances) of the asked blocks.
+  Result<std::vector<Matrix6d>> marginals(const std::vector<int>& blocks) const;
+
+  const Eigen::VectorXd& gradient() const { return gradient_; }
+  int blocks() const { return blocks_; }
+
+ private:
+  Matrix6d& at(int row, int column);  // row ≤ column
+  std::size_t dense_index(int row, int column) const {
+    return static_cast<std::size_t>(column) * (static_cast<std::size_t>(column) + 1) / 2 +
+           static_cast<std::size_t>(row);
+  }
+  Eigen::MatrixXd dense_matrix() const;
+  void grow_slots();
+  std::size_t slot_of(int row, int column) const;  // where (row, column) is or belongs
+
+  int blocks_;
+  Storage storage_;
+  Eigen::VectorXd gradient_;
+  std::vector<Matrix6d> values_;
+  std::vector<std::pair<int, int>> where_;  // sparse: row and column of values_[k]
+  // Sparse: open addressing from (row, column) to k + 1; 0 = free. The capacity is a power of two.
+  std::vector<std::uint32_t> slots_;
+};
+
+}  // namespace rayfield::slam

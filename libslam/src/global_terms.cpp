@@ -1,0 +1,230 @@
+#include "global_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rayfield::slam {
+namespace {
+
+constexpr int kImuGroup = 10;       // samples of one IMU residual: 0.1 s
+constexpr double kFixed = 1e14;     // information that holds an unknown
+constexpr double kGauge = 1e-3;     // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
+constexpr std::size_t kParts = 4;   // partial sums; their number is fixed so that threads do not change the result
+// Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad), GPS (s).
+const Eigen::Vector3d kOffsetSigma(0.05, 0.05, 0.3);
+
+}  // namespace
+
+GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
+                             const Rig& rig, const SlamOptions& options)
+    : odometry_(odometry), imu_(imu), fixes_(fixes), rig_(rig), options_(options), system_(0, BlockSystem::Storage::sparse) {
+  frame_.track = &odometry.track;
+  const double length = odometry.track.end_s();
+  frame_.spline.spans = std::max(1, static_cast<int>(std::lround(length / options.global.knot_step_s)));
+  frame_.spline.step_s = length / frame_.spline.spans;
+  bias_nodes_ = 1 + std::max(1, static_cast<int>(std::lround(length / options.global.bias_step_s)));
+  first_bias_block_ = frame_.spline.knots();
+  frame_.extra_block = first_bias_block_ + bias_nodes_;
+  // Time and angle offsets that are not asked for cost nothing.
+  surfel_frame_ = frame_;
+  if (!rig.estimate_lidar_offset && !rig.estimate_spinner_offset) surfel_frame_.extra_block = -1;
+  set_spinner(rig, surfel_frame_);
+  gravity_ = Eigen::Vector3d(0, 0, odometry.inertial.front().state.gravity.norm());
+  for (int k = 0; k < bias_nodes_; ++k) {
+    const double time = k * length / (bias_nodes_ - 1);
+    std::size_t nearest = 0;
+    for (std::size_t n = 0; n < odometry.inertial.size(); ++n)
+      if (std::abs(odometry.inertial[n].time_s - time) < std::abs(odometry.inertial[nearest].time_s - time)) nearest = n;
+    gyro_bias_.push_back(odometry.inertial[nearest].state.gyro_bias);
+    accel_bias_.push_back(odometry.inertial[nearest].state.accel_bias);
+  }
+  system_ = BlockSystem(frame_.extra_block + 1, BlockSystem::Storage::sparse);
+  parts_.assign(kParts, system_);
+}
+
+BiasWeights GlobalProblem::bias_weights(double time_s) const {
+  const double u = std::clamp(time_s / odometry_.track.end_s(), 0.0, 1.0) * (bias_nodes_ - 1);
+  const int i = std::min(static_cast<int>(u), bias_nodes_ - 2);
+  return {{first_bias_block_ + i, first_bias_block_ + i + 1}, {1 - (u - i), u - i}};
+}
+
+InertialState GlobalProblem::inertial_at(const BiasWeights& w) const {
+  InertialState s;
+  s.gravity = gravity_;
+  for (int j = 0; j < 2; ++j) {
+    s.gyro_bias += w.weights[j] * gyro_bias_[w.blocks[j] - first_bias_block_];
+    s.accel_bias += w.weights[j] * accel_bias_[w.blocks[j] - first_bias_block_];
+  }
+  return s;
+}
+
+void GlobalProblem::add_inertial(int first_group, int last_group, BlockSystem& system, Eigen::Vector2d& squares) const {
+  const double dt = frame_.track->step_s, duration = kImuGroup * dt;
+  const double gyro_weight = 1 / odometry_.noise.gyro_variance(duration);
+  const double accel_weight = 1 / odometry_.noise.accel_variance(duration);
+  for (int group = first_group; group < last_group; ++group) {
+    const int first = 1 + group * kImuGroup;
+    const BiasWeights bias = bias_weights((first + 0.5 * kImuGroup) * dt);
+    const InertialState state = inertial_at(bias);
+    const auto g = gyro_residual(frame_, bias, state, imu_.gyro(), first, kImuGroup);
+    const auto a = accel_residual(frame_, bias, state, imu_.accel(), first, kImuGroup);
+    system.add(g, gyro_weight);
+    system.add(a, accel_weight);
+    squares += Eigen::Vector2d(g.error.squaredNorm(), a.error.squaredNorm());
+  }
+}
+
+void GlobalProblem::add_gps(BlockSystem& system, GlobalStats& stats) const {
+  std::vector<double> residual;
+  std::vector<LinearResidual<3>> rows;
+  std::vector<const GpsPosition*> used;
+  for (const GpsPosition& fix : fixes_) {
+    const double time = fix.time_s + gps_offset_s_;
+    if (time < 0 || time > frame_.track->end_s()) continue;
+    rows.push_back(gps_residual(frame_, time, rig_.imu_from_gps_m, fix.enu));
+    residual.push_back(rows.back().error.head<2>().norm());
+    used.push_back(&fix);
+  }
+  if (rows.size() < 2) return;
+  const double median = median_of(residual);
+  const double interval = (used.back()->time_s - used.front()->time_s) / static_cast<double>(used.size() - 1);
+  // A receiver's error wanders: fixes within its correlation time carry one piece of information together.
+  const double together = std::max(1.0, 2 * options_.gps.correlation_time_s / std::max(interval, 1e-3));
+  double weight_sum = 0, square_sum = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double scale = 1.5 * std::max(median, used[k]->sigma_horizontal_m);
+    const double robust = 1 / (1 + residual[k] * residual[k] / (scale * scale));
+    const double horizontal = 1 / used[k]->sigma_horizontal_m, vertical = 1 / used[k]->sigma_vertical_m;
+    LinearResidual<3>& r = rows[k];
+    const Eigen::Vector3d root(horizontal, horizontal, vertical);
+    r.error = root.cwiseProduct(r.error);
+    for (int b = 0; b < r.blocks; ++b) r.jacobian[b] = root.asDiagonal() * r.jacobian[b];
+    system.add(r, robust / together);
+    weight_sum += robust, square_sum += robust * residual[k] * residual[k];
+  }
+  stats.gps_m = {residual.size(), std::sqrt(square_sum / weight_sum)};
+}
+
+void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
+  for (int k = 0; k < frame_.spline.knots(); ++k)
+    system.add_prior(k, Vector6d::Zero(), Vector6d::Constant(use_gps ? 1e-3 * kGauge : kGauge));
+  Vector6d bias;
+  bias << Eigen::Vector3d::Constant(1 / (0.05 * 0.05)), Eigen::Vector3d::Constant(1 / (0.5 * 0.5));
+  Vector6d offset;
+  offset << -gyro_bias_[0], -accel_bias_[0];
+  system.add_prior(first_bias_block_, offset, bias);
+  // Random walk between bias nodes.
+  const double step = odometry_.track.end_s() / (bias_nodes_ - 1);
+  const double root_gyro = 1 / (rig_.imu.gyro_bias_rad_s2_sqrt_hz * std::sqrt(step));
+  const double root_accel = 1 / (rig_.imu.accel_bias_m_s3_sqrt_hz * std::sqrt(step));
+  Vector6d root;
+  root << Eigen::Vector3d::Constant(root_gyro), Eigen::Vector3d::Constant(root_accel);
+  for (int k = 0; k + 1 < bias_nodes_; ++k) {
+    LinearResidual<6> r;
+    Vector6d change;
+    change << gyro_bias_[k + 1] - gyro_bias_[k], accel_bias_[k + 1] - accel_bias_[k];
+    r.error = root.cwiseProduct(change);
+    r.at(first_bias_block_ + k).diagonal() = -root;
+    r.at(first_bias_block_ + k + 1).diagonal() = root;
+    system.add(r, 1);
+  }
+  Vector6d extra = Vector6d::Constant(kFixed), extra_offset = Vector6d::Zero();
+  const bool free[3] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset,
+                        use_gps && rig_.estimate_gps_offset};
+  for (int k = 0; k < 3; ++k)
+    if (free[k]) extra[2 + k] = 1 / (kOffsetSigma[k] * kOffsetSigma[k]), extra_offset[2 + k] = -offsets_[k];
+  system.add_prior(frame_.extra_block, extra_offset, extra);
+}
+
+Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
+                                      double cauchy, bool use_gps, GlobalStats& stats) {
+  const int groups = (frame_.track->size() - 2) / kImuGroup;
+  std::vector<WindowStats> near_stats(kParts), revisit_stats(kParts);
+  std::vector<Eigen::Vector2d> squares(kParts, Eigen::Vector2d::Zero());
+  const auto slice = [](auto all, std::size_t part) {
+    const std::size_t begin = all.size() * part / kParts, end = all.size() * (part + 1) / kParts;
+    return all.subspan(begin, end - begin);
+  };
+  RAYFIELD_CHECK(parallel_for(kParts, thread_count(options_.threads), [&](std::size_t part, int) -> Result<void> {
+    const int n = static_cast<int>(kParts), p = static_cast<int>(part);
+    parts_[part].clear();
+    add_inertial(groups * p / n, groups * (p + 1) / n, parts_[part], squares[part]);
+    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m, cauchy, parts_[part],
+                     near_stats[part]);
+    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m, cauchy, parts_[part],
+                     revisit_stats[part]);
+    return {};
+  }));
+  system_.clear();
+  for (const BlockSystem& part : parts_) system_.add(part);
+  if (use_gps) add_gps(system_, stats);
+  add_priors(use_gps, system_);
+
+  const auto rms = [](const std::vector<WindowStats>& s) {
+    double squares_sum = 0, count = 0;
+    for (const WindowStats& w : s) squares_sum += w.matches * w.surfel_rms_m * w.surfel_rms_m, count += w.matches;
+    return ResidualStats{static_cast<std::uint64_t>(count), count > 0 ? std::sqrt(squares_sum / count) : 0};
+  };
+  stats.near_surfels = rms(near_stats), stats.revisit_surfels = rms(revisit_stats);
+  Eigen::Vector2d total = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& s : squares) total += s;
+  const std::uint64_t count = static_cast<std::uint64_t>(groups);
+  stats.gyro_rad_s = {count, std::sqrt(total[0] / std::max(1, 3 * groups))};
+  stats.accel_m_s2 = {count, std::sqrt(total[1] / std::max(1, 3 * groups))};
+  return {};
+}
+
+Result<void> GlobalProblem::solve_and_apply() {
+  RAYFIELD_ASSIGN(const Eigen::VectorXd x, system_.solve());
+  apply_correction(odometry_.track, frame_.spline, x.head(6 * frame_.spline.knots()), 0, odometry_.track.size() - 1);
+  for (int k = 0; k < bias_nodes_; ++k) {
+    gyro_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k));
+    accel_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k) + 3);
+  }
+  const Eigen::Vector3d offsets = x.segment<3>(6 * frame_.extra_block + 2);
+  offsets_ += offsets;
+  gps_offset_s_ += offsets[2];
+  if (offsets[0] != 0 || offsets[1] != 0) rotate_surfels(offsets[0], offsets[1]);
+  for (InertialNode& node : odometry_.inertial) node.state = inertial_at(bias_weights(node.time_s));
+  return {};
+}
+
+void GlobalProblem::rotate_surfels(double lidar_offset_s, double spinner_offset_rad) {
+  for (Surfel& s : odometry_.surfels) {
+    s.time_s = std::clamp(s.time_s + lidar_offset_s, 0.0, odometry_.track.end_s());
+    const double angle = spinner_offset_rad + lidar_offset_s * static_cast<double>(s.spin_rate_rad_s);
+    const Eigen::Quaterniond turn = exp_so3(angle * surfel_frame_.spin_axis);
+    s.center = (turn * (s.center.cast<double>() - surfel_frame_.spin_origin) + surfel_frame_.spin_origin).cast<float>();
+    s.normal = (turn * s.normal.cast<double>()).cast<float>();
+  }
+}
+
+Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
+  const int knots = frame_.spline.knots();
+  // The gauge (translation and yaw) is held at the middle of the drive: uncertainty grows away from it.
+  Vector6d hold = Vector6d::Constant(1e8);
+  hold[3] = hold[4] = 0;
+  for (int k = knots / 2 - 1; k <= knots / 2 + 1; ++k)
+    if (k >= 0 && k < knots) system_.add_prior(k, Vector6d::Zero(), hold);
+  std::vector<int> blocks;
+  const int samples = std::min(knots, 60);
+  for (int k = 0; k < samples; ++k) blocks.push_back(static_cast<int>((k + 0.5) * knots / samples));
+  blocks.push_back(frame_.extra_block);
+  RAYFIELD_ASSIGN(const std::vector<Matrix6d> covariance, system_.marginals(blocks));
+  stats.uncertainty.clear();
+  for (int k = 0; k < samples; ++k) {
+    const double time = std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0,
+                                   odometry_.track.end_s());
+    stats.uncertainty.push_back({time, covariance[static_cast<std::size_t>(k)]});
+  }
+  const Eigen::Vector3d variance = covariance.back().diagonal().segment<3>(2);
+  const bool free[3] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset,
+                        rig_.estimate_gps_offset};
+  for (int k = 0; k < 3; ++k) {
+    stats.offsets[k] = offsets_[k];
+    stats.offset_sigmas[k] = free[k] ? std::sqrt(std::max(variance[k], 0.0)) : 0;
+  }
+  return {};
+}
+
+}  // namespace rayfield::slam

@@ -1,0 +1,147 @@
+#include "judge.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rayfield::slam {
+namespace {
+
+constexpr double kMaxSpeed = 15;            // m/s, of a vehicle between vines
+constexpr double kMinInliers = 0.5;         // share of matches within three standard deviations
+constexpr double kMaxBlindFraction = 0.3;   // share of windows with hardly any match
+constexpr int kFewMatches = 30;
+
+GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
+  GpsSummary out;
+  out.fixes = f.gps.positions.size() + f.gps.invalid;
+  if (!f.alignment.solved) return out;
+  out.yaw_sigma_rad = f.alignment.yaw_sigma_rad;
+  out.release_shift_mean_m = f.stats.release_shift_mean_m;
+  out.release_shift_max_m = f.stats.release_shift_max_m;
+  std::vector<double> offsets;
+  double last = 0;
+  const PoseTrack& track = f.drive.odometry.track;
+  const double bound = 3 * 1.4826 * std::max(f.alignment.median_residual_m, f.options.gps.min_sigma_m);
+  for (std::size_t k = 0; k < f.gps.positions.size(); ++k) {
+    const GpsPosition& p = f.gps.positions[k];
+    const double time = p.time_s + f.stats.offsets[2];
+    if (time < 0 || time > track.end_s()) continue;
+    const Eigen::Vector3d offset = track.pose(time) * f.rig.imu_from_gps_m - p.enu;
+    offsets.push_back(offset.head<2>().norm());
+    out.mean_offset_m += offset;
+    out.longest_outage_s = std::max(out.longest_outage_s, p.time_s - last);
+    last = p.time_s;
+    if (offsets.back() > bound) {
+      ++out.outliers;
+      if (k < result.gps.size()) result.gps[k].outlier = true;
+    }
+  }
+  out.longest_outage_s = std::max(out.longest_outage_s, track.end_s() - last);
+  out.used = offsets.size();
+  if (offsets.empty()) return out;
+  out.mean_offset_m /= static_cast<double>(offsets.size());
+  std::sort(offsets.begin(), offsets.end());
+  out.median_offset_m = offsets[offsets.size() / 2];
+  out.p95_offset_m = offsets[offsets.size() * 95 / 100];
+  out.max_offset_m = offsets.back();
+  return out;
+}
+
+std::vector<DegenerateSpan> find_degenerate(const RunFacts& f) {
+  std::vector<DegenerateSpan> out;
+  const double epoch = f.drive.odometry.epoch_s;
+  for (const WindowStats& w : f.drive.odometry.windows) {
+    if (w.weakest_sigma_m < f.options.degenerate_sigma_m) continue;
+    const double start = epoch + w.start_s, end = epoch + w.end_s;
+    const Eigen::Vector3d direction = f.enu_from_world * w.weakest_direction;
+    if (!out.empty() && start <= out.back().end_s) {
+      out.back().end_s = end;
+      if (w.weakest_sigma_m > out.back().sigma_m) out.back().sigma_m = w.weakest_sigma_m, out.back().direction = direction;
+    } else {
+      out.push_back({start, end, direction, w.weakest_sigma_m});
+    }
+  }
+  return out;
+}
+
+tl::unexpected<Error> failed(std::string_view why, std::string_view next) {
+  return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "trajectory", why, next);
+}
+
+}  // namespace
+
+SlamReport make_report(const RunFacts& f, SlamResult& result) {
+  SlamReport r;
+  const OdometryResult& odometry = f.drive.odometry;
+  r.start_s = odometry.epoch_s, r.end_s = odometry.epoch_s + odometry.track.end_s();
+  r.length_m = result.trajectory.length_m();
+  r.georeferenced = f.alignment.solved && !result.trajectory.crs.empty();
+  r.stationary_start_s = odometry.start.stationary_s;
+  r.initial_speed_m_s = odometry.start.velocity.norm();
+  r.lidar_scans = f.drive.lidar.scans, r.lidar_points = f.drive.lidar.points, r.lidar_hits = f.drive.lidar.hits;
+  r.surfels = odometry.surfels.size();
+  r.windows = static_cast<int>(odometry.windows.size());
+  double squares = 0, count = 0;
+  for (const WindowStats& w : odometry.windows) squares += w.matches * w.surfel_rms_m * w.surfel_rms_m, count += w.matches;
+  r.window_surfels_m = {static_cast<std::uint64_t>(count), count > 0 ? std::sqrt(squares / count) : 0};
+  const auto plain = [](const ResidualStats& s) { return ResidualSummary{s.count, s.rms}; };
+  r.near_surfels_m = plain(f.stats.near_surfels), r.revisit_surfels_m = plain(f.stats.revisit_surfels);
+  r.gps_m = plain(f.stats.gps_m);
+  r.gyro_rad_s = plain(f.stats.gyro_rad_s), r.accel_m_s2 = plain(f.stats.accel_m_s2);
+  r.loop_closures = f.stats.revisit_surfels.count;
+  r.linked_visits = f.stats.linked_visits;
+  r.surfel_thickness_m =
+      f.stats.thickness_count > 0 ? f.stats.thickness_m : std::numeric_limits<double>::quiet_NaN();
+  r.gps = summarise_gps(f, result);
+  r.degenerate = find_degenerate(f);
+  for (const PoseUncertainty& u : f.stats.uncertainty) {
+    const Vector6d sigma = u.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+    r.uncertainty.push_back({odometry.epoch_s + u.time_s, sigma.head<3>(), sigma.tail<3>()});
+  }
+  const bool asked[3] = {f.rig.estimate_lidar_offset, f.rig.estimate_spinner_offset, f.rig.estimate_gps_offset};
+  const char* names[3] = {"lidar_offset_s", "spinner_offset_rad", "gps_offset_s"};
+  for (int k = 0; k < 3; ++k)
+    if (asked[k]) r.offsets.push_back({names[k], f.stats.offsets[k], f.stats.offset_sigmas[k]});
+  const InertialState& middle = odometry.inertial[odometry.inertial.size() / 2].state;
+  r.gyro_bias_rad_s = middle.gyro_bias, r.accel_bias_m_s2 = middle.accel_bias;
+  if (!r.degenerate.empty())
+    r.warnings.push_back(fmt::format("{} stretches where lidar alone does not hold the position", r.degenerate.size()));
+  if (f.stats.thickness_count == 0)
+    r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
+  if (f.gps.invalid > 0) r.warnings.push_back(fmt::format("{} GPS messages without a usable fix left out", f.gps.invalid));
+  return r;
+}
+
+Result<void> judge(const RunFacts& f, const SlamReport& report) {
+  const PoseTrack& track = f.drive.odometry.track;
+  for (int k = 0; k + 50 < track.size(); k += 50) {
+    const double speed = (track.position[k + 50] - track.position[k]).norm() / (50 * track.step_s);
+    if (!(speed < kMaxSpeed))
+      return failed(fmt::format("it moves at {:.1f} m/s {:.1f} s after its start", speed, k * track.step_s),
+                    "check the extrinsics, the IMU's units and the clocks");
+  }
+  int blind = 0;
+  double inliers = 0;
+  for (const WindowStats& w : f.drive.odometry.windows) {
+    blind += w.matches < kFewMatches;
+    inliers += w.inlier_fraction / static_cast<double>(report.windows);
+  }
+  if (blind > kMaxBlindFraction * report.windows)
+    return failed(fmt::format("hardly any surface was seen twice in {} of {} windows", blind, report.windows),
+                  "the site is too open for the lidar's range, or the lidar's data are damaged");
+  if (inliers < kMinInliers)
+    return failed(fmt::format("only {:.0f} % of the surfaces seen twice agree", 100 * inliers),
+                  "check the extrinsics, the spinner's axis and the clocks in the rig file");
+  if (report.surfel_thickness_m > f.options.max_thickness_m)
+    return failed(fmt::format("surfaces seen again are {:.0f} mm thick", 1000 * report.surfel_thickness_m),
+                  "check the extrinsics and the clocks in the rig file");
+  if (f.alignment.solved && report.gps.median_offset_m > f.options.gps.max_residual_m)
+    return failed(fmt::format("half of the GPS fixes are more than {:.1f} m off", report.gps.median_offset_m),
+                  "the GPS or its clock is at fault: check time.gps_offset_s, or leave [gps] out of the rig file");
+  return {};
+}
+
+}  // namespace rayfield::slam

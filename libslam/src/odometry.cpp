@@ -1,0 +1,197 @@
+#include "odometry.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "start.h"
+
+namespace rayfield::slam {
+namespace {
+
+constexpr double kGravity = 9.80665;
+constexpr double kMaxStartSpeed = 3.5;  // m/s, of a drive that begins in motion
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Odometry::Odometry(const Rig& rig, const SlamOptions& options, double epoch_s)
+    : rig_(rig), options_(options), imu_(epoch_s, 0.01) {
+  out_.epoch_s = epoch_s;
+  out_.track.step_s = imu_.step_s();
+  out_.noise.gyro_density = rig.imu.gyro_noise_rad_s_sqrt_hz;
+  out_.noise.accel_density = rig.imu.accel_noise_m_s2_sqrt_hz;
+  bias_variance_.setZero();
+}
+
+void Odometry::add(const BodyScan& scan) {
+  const double bin = options_.surfels.time_bin_s;
+  for (std::size_t k = 0; k < scan.time_s.size(); ++k) {
+    const double time = scan.time_s[k] - imu_.epoch_s();
+    lidar_end_s_ = std::max(lidar_end_s_, time);
+    if (!std::isfinite(scan.range_m[k]) || time < 0) continue;
+    const std::int64_t index = static_cast<std::int64_t>(std::floor(time / bin)) - extracted_bins_;
+    if (index < 0) {
+      ++out_.points_late;
+      continue;
+    }
+    if (index >= static_cast<std::int64_t>(pending_.size())) pending_.resize(static_cast<std::size_t>(index) + 1);
+    const Eigen::Vector3d p = scan.origin[k] + static_cast<double>(scan.range_m[k]) * scan.direction[k];
+    pending_[static_cast<std::size_t>(index)].push_back({time, p.cast<float>(), scan.spin_rate_rad_s[k]});
+  }
+}
+
+void Odometry::integrate_to(int last_sample) {
+  PoseTrack& t = out_.track;
+  const double dt = t.step_s;
+  while (t.size() <= last_sample) {
+    const int k = t.size() - 1;
+    const Eigen::Vector3d w = 0.5 * (imu_.gyro()[k] + imu_.gyro()[k + 1]) - state_.gyro_bias;
+    const Eigen::Vector3d a = t.rotation[k] * (imu_.accel()[k] - state_.accel_bias) - state_.gravity;
+    const Eigen::Vector3d step =
+        k == 0 ? Eigen::Vector3d(out_.start.velocity * dt + 0.5 * dt * dt * a)
+               : Eigen::Vector3d(t.position[k] - t.position[k - 1] + dt * dt * a);
+    t.position.push_back(t.position[k] + step);
+    t.rotation.push_back((t.rotation[k] * exp_so3(dt * w)).normalized());
+  }
+}
+
+void Odometry::extract_to(double time_s) {
+  const double begin = now_s();
+  const double bin = options_.surfels.time_bin_s;
+  while (!pending_.empty() && static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) {
+    std::vector<BodyPoint>& points = pending_.front();
+    const std::size_t limit = static_cast<std::size_t>(options_.max_points_per_bin);
+    if (points.size() > limit) {  // every n-th, so that the choice is even over time
+      const double stride = static_cast<double>(points.size()) / static_cast<double>(limit);
+      for (std::size_t k = 0; k < limit; ++k) points[k] = points[static_cast<std::size_t>(static_cast<double>(k) * stride)];
+      points.resize(limit);
+    }
+    out_.points_used += points.size();
+    bin_begin_.push_back(out_.surfels.size());
+    const std::vector<Surfel> found = extract_surfels(points, out_.track, options_.surfels);
+    out_.surfels.insert(out_.surfels.end(), found.begin(), found.end());
+    pending_.erase(pending_.begin());
+    ++extracted_bins_;
+  }
+  while (static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) {  // no points at all
+    bin_begin_.push_back(out_.surfels.size());
+    ++extracted_bins_;
+  }
+  out_.extract_seconds += now_s() - begin;
+}
+
+Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
+  const double begin = now_s();
+  const double dt = out_.track.step_s;
+  const std::size_t bin = static_cast<std::size_t>(first_sample * dt / options_.surfels.time_bin_s + 1e-9);
+  const std::size_t from = bin < bin_begin_.size() ? bin_begin_[bin] : out_.surfels.size();
+  WindowPrior prior;
+  prior.first = first;
+  prior.first_tilt_sigma_rad = first_tilt_sigma_;
+  prior.bias_information = bias_variance_.cwiseInverse();
+  // Gravity stands still in the world; what moves is the windowed trajectory's own tilt: 0.3 mrad a window.
+  prior.gravity_information = first ? 1e14 : 1 / std::pow(3e-4 * kGravity, 2);
+  RAYFIELD_ASSIGN(WindowStats stats,
+                  solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_, out_.noise, prior,
+                               first_sample, last_sample, state_));
+  // Windows overlap: a datum is used length/advance times, so the posterior is that much too sure.
+  const double reuse = options_.window.length_s / options_.window.advance_s;
+  const double drift = options_.window.advance_s;
+  Vector6d walk;
+  walk << Eigen::Vector3d::Constant(rig_.imu.gyro_bias_rad_s2_sqrt_hz),
+      Eigen::Vector3d::Constant(rig_.imu.accel_bias_m_s3_sqrt_hz);
+  bias_variance_ = (reuse * stats.bias_variance + drift * walk.cwiseProduct(walk)).cwiseMin(bias_variance_ * 1.2);
+  // Noisier data than the rig file says: grow slowly towards what is seen, never below the file's figure.
+  const auto follow = [](double& scale, double seen) { scale = std::clamp(0.9 * scale + 0.1 * seen, 1.0, 20.0); };
+  follow(out_.noise.gyro_scale, stats.gyro_rms);
+  follow(out_.noise.accel_scale, stats.accel_rms);
+  out_.windows.push_back(stats);
+  out_.inertial.push_back({0.5 * (stats.start_s + stats.end_s), state_});
+  out_.solve_seconds += now_s() - begin;
+  return {};
+}
+
+Result<void> Odometry::start() {
+  const int last = static_cast<int>(std::lround(options_.window.length_s / out_.track.step_s));
+  const StartGuess guess = guess_start(imu_, last);
+  out_.start.stationary_s = guess.stationary_s;
+  state_.gyro_bias = guess.gyro_bias;
+  state_.gravity = Eigen::Vector3d(0, 0, kGravity);
+  first_tilt_sigma_ = guess.tilt_sigma_rad;
+  bias_variance_ << Eigen::Vector3d::Constant(std::pow(guess.gyro_bias_sigma, 2)),
+      Eigen::Vector3d::Constant(std::pow(0.1, 2));
+  out_.track.rotation = {guess.level_from_imu};
+  out_.track.position = {Eigen::Vector3d::Zero()};
+  integrate_to(last);
+  if (guess.stationary_s == 0) {
+    std::vector<Surfel> sample;
+    for (const auto& points : pending_) {
+      if (points.empty() || points.back().time_s > options_.window.length_s) break;
+      const auto found = extract_surfels(points, out_.track, options_.surfels);
+      sample.insert(sample.end(), found.begin(), found.end());
+    }
+    out_.start.velocity = search_velocity(sample, out_.track, options_, kMaxStartSpeed);
+    for (int k = 0; k < out_.track.size(); ++k)
+      out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
+  }
+  extract_to(options_.window.length_s);
+  RAYFIELD_CHECK(solve(0, last, true));
+  done_s_ = options_.window.length_s;
+  started_ = true;
+  return {};
+}
+
+Result<void> Odometry::step(double window_end_s) {
+  const double dt = out_.track.step_s;
+  const int last = static_cast<int>(std::lround(window_end_s / dt));
+  const int first = static_cast<int>(std::lround((window_end_s - options_.window.length_s) / dt));
+  integrate_to(last);
+  extract_to(window_end_s);
+  RAYFIELD_CHECK(solve(std::max(0, first), last, false));
+  done_s_ = window_end_s;
+  return {};
+}
+
+// What is left after the last whole step: one window that ends with the data.
+Result<void> Odometry::last_step() {
+  const double dt = out_.track.step_s;
+  const int last = std::min(imu_.size() - 1, static_cast<int>(std::floor(lidar_end_s_ / dt)) + 1);
+  const int first = last - static_cast<int>(std::lround(options_.window.length_s / dt));
+  if (last < out_.track.size() + 2) return {};
+  integrate_to(last);
+  extract_to((static_cast<double>(extracted_bins_ + static_cast<std::int64_t>(pending_.size()))) *
+             options_.surfels.time_bin_s);
+  return solve(std::max(0, first), last, false);
+}
+
+Result<void> Odometry::advance(bool flush) {
+  const double margin = 0.05;  // a scan ends a little after its stamp
+  while (true) {
+    const double next = started_ ? done_s_ + options_.window.advance_s : options_.window.length_s;
+    if (imu_.end_s() < next + 0.02) return {};
+    // Without lidar for long the IMU carries the trajectory on.
+    if (lidar_end_s_ < next + margin && !flush && imu_.end_s() < next + 3.0) return {};
+    if (flush && lidar_end_s_ < next - options_.window.advance_s) return {};
+    RAYFIELD_CHECK(started_ ? step(next) : start());
+  }
+}
+
+Result<OdometryResult> Odometry::finish() {
+  RAYFIELD_CHECK(advance(true));
+  if (started_) RAYFIELD_CHECK(last_step());
+  if (!started_)
+    return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "log",
+                fmt::format("only {:.1f} s of IMU and lidar data overlap, at least {:.1f} s are needed",
+                            std::max(0.0, std::min(imu_.end_s(), lidar_end_s_)), options_.window.length_s));
+  // The first windows saw only the beginning of a longer rest.
+  if (out_.start.stationary_s > 0) out_.start.stationary_s = guess_start(imu_, imu_.size()).stationary_s;
+  return std::move(out_);
+}
+
+}  // namespace rayfield::slam

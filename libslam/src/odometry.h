@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "imu_grid.h"
+#include "lidar_assembler.h"
+#include "rayfield/core/result.h"
+#include "rayfield/core/rig.h"
+#include "rayfield/slam/options.h"
+#include "surfel.h"
+#include "window.h"
+
+namespace rayfield::slam {
+
+/// Estimated biases and gravity at a time.
+struct InertialNode {
+  double time_s = 0;
+  InertialState state;
+};
+
+/// How the drive began.
+struct StartInfo {
+  double stationary_s = 0;  ///< length of the stationary start, 0 if the drive began in motion
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< initial, in the levelled frame of the first pose, m/s
+};
+
+/// What the windowed stage hands to the global one. Times are seconds after the epoch.
+struct OdometryResult {
+  double epoch_s = 0;
+  PoseTrack track;
+  std::vector<Surfel> surfels;  ///< sorted by time bin
+  std::vector<InertialNode> inertial;
+  std::vector<WindowStats> windows;
+  StartInfo start;
+  InertialNoise noise;
+  std::uint64_t points_used = 0, points_late = 0;
+  double extract_seconds = 0, solve_seconds = 0;  ///< processor time of the two parts
+};
+
+/// Stage a, streaming: keeps the points of the bins that are not yet complete and the surfels of the whole drive.
+class Odometry {
+ public:
+  Odometry(const Rig& rig, const SlamOptions& options, double epoch_s);
+
+  void add(const ImuSample& sample) { imu_.add(sample); }
+  void add(const BodyScan& scan);
+
+  /// Solves every window whose data are complete; with `flush` all that is left.
+  Result<void> advance(bool flush);
+
+  /// Ends the stage. Errors: bad_input if the drive is too short to be solved.
+  Result<OdometryResult> finish();
+
+  const ImuGrid& imu() const { return imu_; }
+
+ private:
+  Result<void> start();
+  Result<void> step(double window_end_s);
+  Result<void> last_step();
+  void integrate_to(int last_sample);
+  void extract_to(double time_s);
+  Result<void> solve(int first_sample, int last_sample, bool first);
+
+  Rig rig_;
+  SlamOptions options_;
+  ImuGrid imu_;
+  bool started_ = false;
+  double done_s_ = 0;           // the trajectory is solved up to here
+  double lidar_end_s_ = -1;     // time of the newest point
+  std::int64_t extracted_bins_ = 0;
+  std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
+  std::vector<std::size_t> bin_begin_;           // index of the first surfel of each bin
+  InertialState state_;
+  Vector6d bias_variance_;
+  double first_tilt_sigma_ = 0.02;
+  OdometryResult out_;
+};
+
+}  // namespace rayfield::slam

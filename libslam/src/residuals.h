@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "block_system.h"
+#include "correction_spline.h"
+#include "pose_track.h"
+#include "surfel.h"
+
+/// Residuals of both stages, linearised at zero correction: after every iteration the correction is applied to the
+/// trajectory, so the derivatives are needed there only. A correction (δt(τ), δr(τ)) acts as in the paper (SLAM):
+///   t(τ) ← t(τ) + δt(τ),  r(τ) ← exp(δr(τ))·r(τ),
+/// both cubic B-splines. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra
+/// block is (gravity x, gravity y, lidar time offset, spinner angle offset, GPS time offset, unused).
+namespace rayfield::slam {
+
+/// What the linearisation of a residual refers to.
+struct ResidualFrame {
+  const PoseTrack* track = nullptr;
+  CorrectionSpline spline;
+  int first_knot_block = 0;                              ///< block of knot 0
+  int extra_block = -1;
+  Eigen::Vector3d spin_axis = Eigen::Vector3d::Zero();   ///< in the IMU frame; zero for a fixed lidar
+  Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero(); ///< a point of the spinner's axis in the IMU frame, m
+};
+
+/// Biases at one time as a weighted sum of bias blocks (linear between nodes).
+struct BiasWeights {
+  int blocks[2] = {0, 0};
+  double weights[2] = {1, 0};
+};
+
+/// Sensor biases and gravity at the linearisation point.
+struct InertialState {
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s²
+  Eigen::Vector3d gravity = Eigen::Vector3d(0, 0, 9.80665);  ///< world, the specific force at rest (up), m/s²
+};
+
+/// e = (s_b − s_a)·n,  n = (n_a + n_b)/|n_a + n_b|  (paper, SLAM: e_surf), m. The turn of n with the correction is left
+/// out: it multiplies s_b − s_a, which is small in the direction that matters at convergence.
+LinearResidual<1> surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
+
+/// Mean over the samples first … first+count-1 of
+///   e = r(τ)·(a − b_a) − ẗ(τ) − g     (paper, SLAM: e_imu,a; g points up: the specific force at rest), m/s²,
+/// ẗ by second differences of the grid. first ≥ 1 and first+count < track size.
+LinearResidual<3> accel_residual(const ResidualFrame& frame, const BiasWeights& bias, const InertialState& state,
+                                 const std::vector<Eigen::Vector3d>& accel, int first, int count);
+
+/// Mean angular velocity over the interval from sample first to first+count:
+///   e = log(ΔR⁻¹ · r(τ₀)⁻¹ · r(τ₁))/(τ₁ − τ₀) + b_g    (paper, SLAM: e_imu,r as a finite difference), rad/s,
+/// ΔR the product of exp(½(ω_k + ω_{k+1})·dt) over the interval, raw rates.
+LinearResidual<3> gyro_residual(const ResidualFrame& frame, const BiasWeights& bias, const InertialState& state,
+                                const std::vector<Eigen::Vector3d>& gyro, int first, int count);
+
+/// e = t(τ) + r(τ)·l − p_gps   (paper, GPS, with the lever arm l and H already applied to the trajectory), m.
+LinearResidual<3> gps_residual(const ResidualFrame& frame, double time_s, const Eigen::Vector3d& lever_arm_m,
+                               const Eigen::Vector3d& position);
+
+}  // namespace rayfield::slam

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "imu_grid.h"
+#include "odometry.h"
+#include "rayfield/slam/options.h"
+
+namespace rayfield::slam {
+
+/// First guess of a drive from its first seconds.
+struct StartGuess {
+  double stationary_s = 0;
+  Eigen::Quaterniond level_from_imu = Eigen::Quaterniond::Identity();  ///< roll and pitch only
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
+  double gyro_bias_sigma = 0.02;
+  double tilt_sigma_rad = 0.05;
+};
+
+/// Finds the stationary start (blocks of half a second whose rates are small and steady) and takes roll, pitch and the
+/// gyro bias from it; without one, roll and pitch from the mean specific force of `samples`.
+StartGuess guess_start(const ImuGrid& imu, int samples);
+
+/// Initial velocity of a drive that did not start at rest: of a grid of horizontal velocities up to `max_speed`, the one
+/// under which most surfels of the first window meet a partner on the same plane. `track` holds the IMU integration
+/// from zero velocity; a constant velocity is added to it.
+Eigen::Vector3d search_velocity(std::span<const Surfel> surfels, const PoseTrack& track, const SlamOptions& options,
+                                double max_speed);
+
+}  // namespace rayfield::slam

@@ -1,0 +1,173 @@
+#include "window.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace rayfield::slam {
+namespace {
+
+constexpr int kImuGroup = 5;         // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
+constexpr double kFixed = 1e14;      // information that holds an unknown
+// Surfels of overlapping voxels and resolutions share points: a match counts as this many independent ones.
+constexpr double kSurfelIndependence = 0.2;
+
+double mix_log(double a, double b, double f) { return a * std::pow(b / a, std::clamp(f, 0.0, 1.0)); }
+
+struct ImuSums {
+  double gyro = 0, accel = 0;
+  int count = 0;
+};
+
+ImuSums add_imu_terms(const ResidualFrame& frame, const ImuGrid& imu, const InertialNoise& noise,
+                      const InertialState& state, int bias_block, int first, int last, BlockSystem& system) {
+  ImuSums sums;
+  const BiasWeights bias{{bias_block, bias_block}, {1, 0}};
+  const double duration = kImuGroup * frame.track->step_s;
+  const double gyro_weight = 1 / noise.gyro_variance(duration), accel_weight = 1 / noise.accel_variance(duration);
+  for (int k = std::max(first, 1); k + kImuGroup < last; k += kImuGroup) {
+    const auto g = gyro_residual(frame, bias, state, imu.gyro(), k, kImuGroup);
+    const auto a = accel_residual(frame, bias, state, imu.accel(), k, kImuGroup);
+    system.add(g, gyro_weight);
+    system.add(a, accel_weight);
+    sums.gyro += g.error.squaredNorm() * gyro_weight / 3;
+    sums.accel += a.error.squaredNorm() * accel_weight / 3;
+    ++sums.count;
+  }
+  return sums;
+}
+
+// Joins the window to what lies before it, or fixes the gauge of the first one.
+void add_start(const ResidualFrame& frame, const WindowPrior& prior, double start_s, BlockSystem& system) {
+  if (!prior.first) {
+    for (int j = 0; j < 3; ++j) system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(kFixed));
+    return;
+  }
+  // Correction zero at the start: translation and yaw exactly, tilt within its prior.
+  const SplineWeights w = frame.spline.weights(start_s);
+  Vector6d root;
+  root << 1e4, 1e4, 1e4, 1 / prior.first_tilt_sigma_rad, 1 / prior.first_tilt_sigma_rad, 1e4;
+  LinearResidual<6> r;
+  for (int j = 0; j < 4; ++j) r.at(frame.first_knot_block + w.first + j).diagonal() += w.value[j] * root;
+  system.add(r, 1);
+  // A knot that no datum reaches must not make the system singular.
+  for (int j = 0; j < frame.spline.knots(); ++j)
+    system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(1e-4));
+}
+
+}  // namespace
+
+double InertialNoise::gyro_variance(double duration_s) const {
+  const double sigma = gyro_density * gyro_scale;
+  return sigma * sigma / duration_s;
+}
+double InertialNoise::accel_variance(double duration_s) const {
+  const double sigma = accel_density * accel_scale;
+  return sigma * sigma / duration_s;
+}
+
+void set_spinner(const Rig& rig, ResidualFrame& frame) {
+  if (!rig.spinner) return;
+  frame.spin_axis = rig.imu_from_spinner.rotation * rig.spinner->axis;
+  frame.spin_origin = rig.imu_from_spinner.translation;
+}
+
+void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
+                      std::span<const SurfelMatch> matches, double sigma_m, double cauchy, BlockSystem& system,
+                      WindowStats& stats) {
+  double weight_sum = 0, square_sum = 0;
+  int inliers = 0;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const SurfelMatch& m : matches) {
+    const Surfel &a = surfels[m.first], &b = surfels[m.second];
+    const auto r = surfel_residual(frame, a, b);
+    const double variance = sigma_m * sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
+    const double normalised = r.error[0] * r.error[0] / variance;
+    const double weight = kSurfelIndependence / (variance * (1 + normalised / (cauchy * cauchy)));
+    system.add(r, weight);
+    weight_sum += weight, square_sum += weight * r.error[0] * r.error[0];
+    inliers += normalised < 9;
+    const Eigen::Vector3d n = frame.track->pose(a.time_s).rotation * a.normal.cast<double>();
+    information += weight * n * n.transpose();
+  }
+  stats.matches = static_cast<int>(matches.size());
+  stats.inlier_fraction = matches.empty() ? 0 : static_cast<double>(inliers) / static_cast<double>(matches.size());
+  stats.surfel_rms_m = weight_sum > 0 ? std::sqrt(square_sum / weight_sum) : 0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+  stats.weakest_sigma_m = 1 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-12));
+  stats.weakest_direction = eigen.eigenvectors().col(0);
+}
+
+void apply_correction(PoseTrack& track, const CorrectionSpline& spline, const Eigen::VectorXd& knots, int first,
+                      int last) {
+  for (int k = first; k <= last; ++k) {
+    const SplineWeights w = spline.weights(k * track.step_s);
+    Vector6d d = Vector6d::Zero();
+    for (int j = 0; j < 4; ++j) d += w.value[j] * knots.segment<6>(6 * (w.first + j));
+    track.position[k] += d.head<3>();
+    track.rotation[k] = (exp_so3(d.tail<3>()) * track.rotation[k]).normalized();
+  }
+}
+
+Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span<const Surfel> surfels,
+                                 const SlamOptions& options, const InertialNoise& noise, const WindowPrior& prior,
+                                 int first_sample, int last_sample, InertialState& state) {
+  ResidualFrame frame;
+  frame.track = &track;
+  frame.spline.start_s = first_sample * track.step_s;
+  const double length = (last_sample - first_sample) * track.step_s;
+  frame.spline.spans = std::max(1, static_cast<int>(std::lround(length / options.window.knot_step_s)));
+  frame.spline.step_s = length / frame.spline.spans;
+  const int bias_block = frame.spline.knots(), extra_block = bias_block + 1;
+  frame.extra_block = extra_block;
+  BlockSystem system(extra_block + 1, BlockSystem::Storage::dense);
+
+  WindowStats stats;
+  stats.start_s = frame.spline.start_s, stats.end_s = stats.start_s + length;
+  stats.surfels = static_cast<int>(surfels.size());
+  const InertialState before = state;
+  const int iterations = prior.first ? options.window.first_iterations : options.window.max_iterations;
+  for (int it = 0; it < iterations; ++it) {
+    // Later windows start from a trajectory that is right but for the newest second: they anneal over the second half.
+    const double f = prior.first ? it / std::max(1.0, iterations - 5.0)
+                                 : 0.5 + 0.5 * it / std::max(1.0, iterations - 2.0);
+    const auto placed = place_surfels(surfels, track, track.position[first_sample], 1);
+    MatchQuery query;
+    query.radius_voxels = mix_log(options.match.first_radius_voxels, options.match.last_radius_voxels, f);
+    query.normal_scale_m = options.match.normal_scale_m;
+    query.min_gap_s = options.match.min_time_gap_s;
+    const auto matches = mutual_matches(placed, options.surfels.voxel_size_m, query, 1);
+    const double cauchy = mix_log(options.match.first_cauchy, options.match.last_cauchy, f);
+
+    system.clear();
+    add_surfel_terms(frame, surfels, matches, options.match.sigma_m, cauchy, system, stats);
+    const ImuSums sums = add_imu_terms(frame, imu, noise, state, bias_block, first_sample, last_sample, system);
+    stats.gyro_rms = std::sqrt(sums.gyro / std::max(1, sums.count)) * noise.gyro_scale;
+    stats.accel_rms = std::sqrt(sums.accel / std::max(1, sums.count)) * noise.accel_scale;
+    add_start(frame, prior, stats.start_s, system);
+    Vector6d bias_offset;
+    bias_offset << before.gyro_bias - state.gyro_bias, before.accel_bias - state.accel_bias;
+    system.add_prior(bias_block, bias_offset, prior.bias_information);
+    Vector6d extra_information = Vector6d::Constant(kFixed), extra_offset = Vector6d::Zero();
+    extra_information.head<2>().setConstant(prior.gravity_information);
+    extra_offset.head<2>() = (before.gravity - state.gravity).head<2>();
+    system.add_prior(extra_block, extra_offset, extra_information);
+
+    RAYFIELD_ASSIGN(const Eigen::VectorXd x, system.solve());
+    apply_correction(track, frame.spline, x.head(6 * frame.spline.knots()), first_sample, last_sample);
+    state.gyro_bias += x.segment<3>(6 * bias_block);
+    state.accel_bias += x.segment<3>(6 * bias_block + 3);
+    const double length_of_gravity = state.gravity.norm();
+    state.gravity.head<2>() += x.segment<2>(6 * extra_block);
+    state.gravity.z() = std::sqrt(length_of_gravity * length_of_gravity - state.gravity.head<2>().squaredNorm());
+    stats.iterations = it + 1;
+    double largest = 0;
+    for (int j = 0; j < frame.spline.knots(); ++j) largest = std::max(largest, x.segment<3>(6 * j).norm());
+    if (f >= 1 && largest < options.window.converged_m) break;
+  }
+  RAYFIELD_ASSIGN(const std::vector<Matrix6d> covariance, system.marginals({bias_block}));
+  stats.bias_variance = covariance[0].diagonal();
+  return stats;
+}
+
+}  // namespace rayfield::slam

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "imu_grid.h"
+#include "rayfield/core/result.h"
+#include "rayfield/core/rig.h"
+#include "rayfield/slam/options.h"
+#include "residuals.h"
+#include "surfel_match.h"
+
+namespace rayfield::slam {
+
+/// Standard deviations of IMU residuals; `scale` ≥ 1 grows where the data are noisier than the rig file says.
+struct InertialNoise {
+  double gyro_density = 3e-4, accel_density = 3e-3;  ///< rad/s/√Hz, m/s²/√Hz
+  double gyro_scale = 1, accel_scale = 1;
+  /// Variance of a residual that is the mean over `duration_s`.
+  double gyro_variance(double duration_s) const;
+  double accel_variance(double duration_s) const;
+};
+
+/// What is known before a window is solved.
+struct WindowPrior {
+  bool first = false;  ///< the pose at the window's start is the gauge; otherwise the trajectory joins a frozen past
+  Vector6d bias_information = Vector6d::Constant(1);
+  double gravity_information = 1;    ///< per (m/s²)²
+  double first_tilt_sigma_rad = 0.05;
+};
+
+/// How a window went.
+struct WindowStats {
+  double start_s = 0, end_s = 0;
+  int iterations = 0;
+  int surfels = 0, matches = 0;
+  double inlier_fraction = 0;      ///< matches within three standard deviations
+  double surfel_rms_m = 0;         ///< weighted by the final robust weights
+  double gyro_rms = 0, accel_rms = 0;  ///< in standard deviations of the rig's noise
+  /// Standard deviation of the window's mean translation from lidar alone along its weakest direction, m.
+  double weakest_sigma_m = 0;
+  Eigen::Vector3d weakest_direction = Eigen::Vector3d::Zero();
+  Vector6d bias_variance = Vector6d::Zero();
+};
+
+/// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.
+void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
+                      std::span<const SurfelMatch> matches, double sigma_m, double cauchy, BlockSystem& system,
+                      WindowStats& stats);
+
+/// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`.
+/// method: 2a; re-associates and re-weights at every iteration. Errors: bad_input where the system is singular.
+Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span<const Surfel> surfels,
+                                 const SlamOptions& options, const InertialNoise& noise, const WindowPrior& prior,
+                                 int first_sample, int last_sample, InertialState& state);
+
+/// Moves track[first … last] by the knots' corrections (six values each from `knots`).
+void apply_correction(PoseTrack& track, const CorrectionSpline& spline, const Eigen::VectorXd& knots, int first,
+                      int last);
+
+/// The point of a spinner's axis and its direction in the IMU frame; zero without a spinner.
+void set_spinner(const Rig& rig, ResidualFrame& frame);
+
+}  // namespace rayfield::slam

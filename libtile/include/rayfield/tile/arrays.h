@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "rayfield/core/result.h"
+
+namespace rayfield::tile {
+
+using Array =
+    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<std::int32_t>,
+                 std::vector<std::uint32_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
+
+/// A named set of columns with a JSON text beside them: the form in which derived data (ground, voxels, rows) lives in
+/// the store. Equal content gives equal bytes.
+struct ArraySet {
+  std::string kind;        ///< "ground", "voxels" …
+  int version = 1;         ///< of the layout of this kind
+  std::string attributes;  ///< one JSON object: parameters, geometry, units of the columns
+  std::map<std::string, Array> columns;
+
+  /// The column of that name and type, or an error (damaged) that names what is missing.
+  template <class T>
+  Result<std::span<const T>> column(const std::string& name) const {
+    const auto it = columns.find(name);
+    if (it == columns.end() || !std::holds_alternative<std::vector<T>>(it->second))
+      return fail(ErrorCode::damaged, "cannot read derived data", kind,
+                  "column '" + name + "' is missing or of another type", "run `rayfield verify`");
+    return std::span<const T>(std::get<std::vector<T>>(it->second));
+  }
+};
+
+/// HDF5 image (core driver, earliest format, compressed columns), in memory. docs/store-format.md gives the layout.
+Result<std::vector<std::byte>> encode_arrays(const ArraySet& arrays);
+/// `where` is named in errors.
+Result<ArraySet> decode_arrays(std::span<const std::byte> image, const std::string& where);
+
+}  // namespace rayfield::tile

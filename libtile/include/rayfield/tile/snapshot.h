@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rayfield/core/result.h"
+#include "rayfield/tile/segments.h"
+
+namespace rayfield::tile {
+
+/// An immutable file of the store.
+struct FileEntry {
+  std::string path;  ///< relative to the store, '/' separated
+  std::uint64_t size = 0;
+  std::string sha256;
+};
+
+/// One tile of one scan.
+struct TileEntry {
+  TileIndex index;
+  FileEntry file;
+  std::vector<FileEntry> more_files;  ///< of a dense tile (over 1 048 576 segments), in the order of the scan
+  std::uint64_t segment_count = 0;
+  std::uint64_t start_count = 0;  ///< rays that start here
+  std::uint64_t hit_count = 0;    ///< hits in the tile proper
+  Eigen::AlignedBox3d bounds;     ///< of the segments, m
+
+  /// Names the content of all files of the tile: for keys of what is computed from it.
+  std::string content_sha256() const;
+};
+
+/// A file computed from others; its key is the hash of everything it depends on.
+struct DerivedEntry {
+  std::string kind;  ///< "ground", "voxels", "rows" …
+  std::string name;  ///< within the kind: a tile "11024_244015" or "block"
+  std::string key;   ///< SHA-256 of inputs, parameters and code version
+  FileEntry file;
+};
+
+/// Where a scan came from.
+struct InputEntry {
+  std::string name;  ///< file name, without its folder
+  std::uint64_t size = 0;
+  std::string sha256;
+};
+
+struct ScanEntry {
+  std::string scan_id;  ///< date, or date_name; unique in the store and usable as a folder name
+  std::string date;     ///< YYYY-MM-DD
+  std::string name;     ///< the user's own, may be empty
+  std::vector<InputEntry> inputs;
+  std::uint64_t ray_count = 0, hit_count = 0;
+  double start_time_s = 0, end_time_s = 0;  ///< Unix time
+  Eigen::AlignedBox3d origin_bounds;        ///< of the ray origins, m
+  std::vector<std::string> warnings;        ///< what the reader left out
+  std::vector<TileEntry> tiles;             ///< ordered by index
+  std::vector<DerivedEntry> derived;        ///< ordered by kind and name
+};
+
+/// The whole truth at one moment.
+struct Snapshot {
+  std::uint64_t number = 0, parent = 0;  ///< 0 = none
+  std::string created_utc, software_version, command;
+  std::vector<ScanEntry> scans;        ///< ordered by date, then scan_id
+  std::vector<DerivedEntry> registry;  ///< block-wide: rows, panels, posts and their identities
+  const ScanEntry* find_scan(const std::string& scan_id) const;
+};
+
+}  // namespace rayfield::tile

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "rayfield/core/result.h"
+#include "rayfield/tile/segments.h"
+
+/// Where things lie in a store (docs/store-format.md).
+namespace rayfield::tile::layout {
+
+inline constexpr const char* kStoreFile = "store.json";
+inline constexpr const char* kLock = "lock";
+inline constexpr const char* kTemporary = "tmp";
+inline constexpr const char* kSnapshots = "snapshots";
+inline constexpr const char* kScans = "scans";
+inline constexpr const char* kRegistry = "registry";
+inline constexpr const char* kRays = "rays";
+
+std::string rays_directory(const std::string& scan_id);
+std::string tile_file_name(TileIndex index, const std::string& sha256);
+/// `scan_id` empty: the registry.
+std::string derived_directory(const std::string& scan_id, const std::string& kind);
+/// The part of a derived file's name that its name and key determine.
+std::string derived_prefix(const std::string& name, const std::string& key);
+std::string derived_file_name(const std::string& name, const std::string& key, const std::string& sha256);
+std::string snapshot_file_name(std::uint64_t number);
+
+/// scan_id of a date and an optional label: characters that do not belong in a folder's name become '-'.
+/// Errors: usage.
+Result<std::string> scan_id(const std::string& date, const std::string& name);
+
+/// Can stand as one component of a path: letters, digits, '.', '_', '-', not starting with '.'.
+bool is_plain_name(std::string_view text);
+/// A path that stays inside the store: relative, without "..".
+bool is_inside(const std::string& path);
+
+}  // namespace rayfield::tile::layout

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rayfield/core/progress.h"
+#include "rayfield/core/result.h"
+#include "rayfield/sim/block_geometry.h"
+#include "rayfield/sim/site.h"
+#include "rayfield/sim/terrain.h"
+
+namespace rayfield::sim {
+
+enum class Material : std::uint8_t { ground, grass, leaf, wood, post, wire, building };
+
+/// Where a ray met a surface first.
+struct SceneHit {
+  double range_m = 0;
+  Material material = Material::ground;
+  double cos_incidence = 0;  ///< |cos| of the angle between ray and surface normal
+};
+
+enum class PostKind { strainer, line };
+
+/// A trellis post; rows, posts and panels count from 0 here as in the truth files.
+struct Post {
+  int row = 0, post = 0;
+  double chainage_m = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< east, north
+  double ground_m = 0;
+  double height_m = 0;
+  double diameter_m = 0;
+  PostKind kind = PostKind::line;
+};
+
+struct Vine {
+  int row = 0;
+  double chainage_m = 0;
+  bool missing = false;
+  double vigour = 0;        ///< relative, mean about 1
+  double leaf_area_m2 = 0;  ///< one-sided, with all leaves present
+};
+
+/// One-sided leaf area and half the surface of wood (posts, trunks, cordons, canes, wires above 0.3 m over the local
+/// ground), m², in consecutive stretches of a row.
+struct StretchAreas {
+  std::vector<double> edges_m;  ///< chainages, one more than there are stretches
+  std::vector<double> leaf_m2, wood_m2;
+};
+struct RowAreas {
+  StretchAreas panels, metres;  ///< `metres`: every 0.5 m, the last shorter where the length wants it
+};
+
+/// Everything that stands still on one date, ready for ray casting. Copies share the scene.
+class World {
+ public:
+  const Site& site() const;
+  const SiteDate& date() const;
+  std::size_t date_index() const;
+  const BlockGeometry& block() const;
+  const Terrain& terrain() const;
+  const std::vector<Vine>& vines() const;
+  const std::vector<Post>& posts() const;
+  const std::vector<RowAreas>& areas() const;  ///< one per row
+  std::uint64_t leaf_count() const;            ///< leaves present
+  std::uint64_t triangle_count() const;
+
+  /// The nearest surface from `origin` (ENU, m) along the unit vector `direction`. Safe from any thread.
+  std::optional<SceneHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                               double max_range_m) const;
+
+ private:
+  friend Result<World> build_world(const Site&, std::size_t, int, Progress&);
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// Builds the block as it stands on site.dates[date_index]. The geometry is a function of the site and its seed; dates
+/// choose among the leaves and nothing else. `threads` 0: all processors; the result does not depend on it.
+/// Errors: usage (invalid site, no such date), resources (memory), interrupted.
+Result<World> build_world(const Site& site, std::size_t date_index, int threads, Progress& progress);
+
+}  // namespace rayfield::sim

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Runs the whole chain on simulated sites and holds its products against the simulation's truth.
+
+    tests/accuracy/accuracy.py RAYFIELD OUT SITE.toml... [--json FILE] [--keep]
+
+For every site: simulate, init, add (true poses), process, export; then, against truth, per scan: plant area per panel
+(ratio of totals, RRMSE, response slope), rows found and invented, post positions, ground heights, the plan raster's
+integral; and between scans of one site with equal leaves: RRMSE of panels. Prints one Markdown table; the exit code is
+1 if a figure misses its target. Needs python3-gdal and python3-numpy.
+"""
+import argparse
+import csv
+import glob
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+from osgeo import gdal, ogr, osr
+
+gdal.UseExceptions()
+TARGETS = {"ratio": (0.97, 1.03), "rrmse": 0.06, "slope": 0.85, "posts_m": 0.10, "ground_open_m": 0.03,
+           "ground_vine_m": 0.05, "repeat": 0.025, "raster": 0.005}
+
+
+def run(*command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit {done.returncode}: {done.stderr.strip()[-2000:]}")
+    return json.loads(done.stdout) if "--json" in command else done.stdout
+
+
+def read_csv(path):
+    with open(path, newline="") as file:
+        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+class Frame:
+    """Local east-north-up metres of a site → map coordinates."""
+
+    def __init__(self, site, crs):
+        source, target = osr.SpatialReference(), osr.SpatialReference()
+        target.SetFromUserInput(crs)
+        source.CopyGeogCSFrom(target)
+        for system in (source, target):
+            system.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+        self.transform = osr.CoordinateTransformation(source, target)
+        self.lat, self.lon, self.alt = site["lat"], site["lon"], site["alt"]
+        a, f = source.GetSemiMajor(), 1 / source.GetInvFlattening()
+        e2, s = f * (2 - f), np.sin(np.radians(self.lat))
+        self.prime = a / np.sqrt(1 - e2 * s * s)
+        self.meridian = a * (1 - e2) / (1 - e2 * s * s) ** 1.5
+        self.zero = self._grid(0, 0)
+        self.jacobian = np.column_stack([(self._grid(50, 0) - self._grid(-50, 0)) / 100,
+                                         (self._grid(0, 50) - self._grid(0, -50)) / 100])
+
+    def _grid(self, e, n):
+        lon = self.lon + np.degrees(e / ((self.prime + self.alt) * np.cos(np.radians(self.lat))))
+        lat = self.lat + np.degrees(n / (self.meridian + self.alt))
+        return np.array(self.transform.TransformPoint(lon, lat)[:2])
+
+    def map(self, e, n):
+        return self.zero + self.jacobian @ np.array([e, n])
+
+
+def raster(path):
+    data = gdal.Open(path)
+    return data.ReadAsArray(), data.GetGeoTransform()
+
+
+def sample(path, points):
+    """Bilinear values of a raster at map points; NaN outside."""
+    values, g = raster(path)
+    out = np.full(len(points), np.nan)
+    for i, (x, y) in enumerate(points):
+        c, r = (x - g[0]) / g[1] - 0.5, (y - g[3]) / g[5] - 0.5
+        c0, r0 = int(np.floor(c)), int(np.floor(r))
+        if 0 <= c0 < values.shape[1] - 1 and 0 <= r0 < values.shape[0] - 1:
+            u, v = c - c0, r - r0
+            out[i] = ((values[r0, c0] * (1 - u) + values[r0, c0 + 1] * u) * (1 - v)
+                      + (values[r0 + 1, c0] * (1 - u) + values[r0 + 1, c0 + 1] * u) * v)
+    return out
+
+
+def rows_of(gpkg, layer):
+    source = ogr.Open(gpkg)
+    out = []
+    for feature in source.GetLayerByName(layer):
+        item = feature.items()
+        geometry = feature.GetGeometryRef()
+        if geometry is not None:
+            item["geometry"] = geometry.Clone()
+        out.append(item)
+    return out
+
+
+def against_truth(out, scan_id, truth, crs):
+    """Figures of one scan."""
+    gpkg = glob.glob(f"{out}/*.gpkg")[0]
+    site = json.load(open(f"{truth}/site.json"))
+    frame = Frame(site, crs)
+    panels = {p["panel_uid"]: p for p in rows_of(gpkg, "panel")}
+    values = [v for v in rows_of(gpkg, "panel_value") if v["scan_id"] == scan_id]
+    true_panels = read_csv(f"{truth}/panels.csv")
+    figures = {}
+
+    measured, true, unmatched = [], [], 0
+    centres = {uid: np.array(p["geometry"].Centroid().GetPoint_2D()) for uid, p in panels.items()}
+    for t in true_panels:
+        centre = frame.map((t["e0"] + t["e1"]) / 2, (t["n0"] + t["n1"]) / 2)
+        near = [v for v in values if np.linalg.norm(centres[v["panel_uid"]] - centre) < 0.35 * t["length_m"]]
+        if len(near) != 1 or near[0]["plant_area_m2"] is None:
+            unmatched += 1
+            continue
+        measured.append(near[0]["plant_area_m2"])
+        true.append(t["leaf_area_m2"] + t["wood_area_m2"])
+    measured, true = np.array(measured), np.array(true)
+    total = sum(v["plant_area_m2"] or 0 for v in values)
+    figures["panels"], figures["unmatched"] = len(true_panels), unmatched
+    figures["ratio"] = total / sum(t["leaf_area_m2"] + t["wood_area_m2"] for t in true_panels)
+    if len(true) > 1:
+        figures["rrmse"] = float(np.sqrt(np.mean((measured - true) ** 2)) / true.mean())
+        figures["slope"] = float(np.polyfit(true, measured, 1)[0])
+    figures["by_panel"] = {p["row_number"] * 1000 + p["panel_number"]: v["plant_area_m2"]
+                           for v in values for p in [panels[v["panel_uid"]]]}
+
+    true_rows = read_csv(f"{truth}/rows.csv")
+    found = rows_of(gpkg, "vine_row")
+    figures["rows_true"], figures["rows_found"] = len(true_rows), len(found)
+    matched = 0
+    for t in true_rows:
+        a, b = frame.map(t["e0"], t["n0"]), frame.map(t["e1"], t["n1"])
+        for row in found:
+            points = np.array(row["geometry"].GetPoints())[:, :2]
+            ends = sorted([np.linalg.norm(points[0] - a) + np.linalg.norm(points[-1] - b),
+                           np.linalg.norm(points[0] - b) + np.linalg.norm(points[-1] - a)])
+            if ends[0] < 1.5:
+                matched += 1
+                break
+    figures["rows_matched"] = matched
+
+    true_posts = [frame.map(p["e"], p["n"]) for p in read_csv(f"{truth}/posts.csv")] if os.path.exists(f"{truth}/posts.csv") else []
+    posts = [np.array(p["geometry"].GetPoint_2D()) for p in rows_of(gpkg, "post") if p.get("detected", 1)]
+    if true_posts and posts:
+        nearest = [min(np.linalg.norm(p - t) for t in true_posts) for p in posts]
+        figures["posts_m"] = float(np.median(nearest))
+        figures["posts_found"] = sum(min(np.linalg.norm(p - t) for p in posts) < 0.3 for t in true_posts)
+        figures["posts_true"] = len(true_posts)
+        figures["posts_invented"] = sum(d > 0.5 for d in nearest)
+
+    ground = read_csv(f"{truth}/ground.csv")
+    height = sample(glob.glob(f"{out}/*_{scan_id}_ground.tif")[0], [frame.map(g["e"], g["n"]) for g in ground])
+    error = height - np.array([g["z"] + frame.alt for g in ground])
+    axes = [(np.array([r["e0"], r["n0"]]), np.array([r["e1"], r["n1"]])) for r in true_rows]
+
+    def distance(g):
+        p, best = np.array([g["e"], g["n"]]), np.inf
+        for a, b in axes:
+            t = np.clip(np.dot(p - a, b - a) / np.dot(b - a, b - a), 0, 1)
+            best = min(best, np.linalg.norm(p - a - t * (b - a)))
+        return best
+
+    off = np.array([distance(g) for g in ground])
+    known = np.isfinite(error)
+    for name, mask in (("ground_open_m", known & (off > 0.5) & (off < 2.0)), ("ground_vine_m", known & (off <= 0.5))):
+        if mask.any():
+            figures[name] = float(np.sqrt(np.mean(error[mask] ** 2)))
+    values_plan, g = raster(glob.glob(f"{out}/*_{scan_id}_plan_density.tif")[0])
+    figures["raster"] = float(np.nansum(values_plan) * abs(g[1] * g[5]) / total - 1) if total > 0 else float("nan")
+    return figures
+
+
+def misses(f):
+    out = []
+    if not TARGETS["ratio"][0] <= f["ratio"] <= TARGETS["ratio"][1]:
+        out.append("ratio")
+    for key in ("rrmse", "posts_m", "ground_open_m", "ground_vine_m"):
+        if f.get(key, 0) > TARGETS[key]:
+            out.append(key)
+    if f.get("slope", 1) < TARGETS["slope"]:
+        out.append("slope")
+    if abs(f["raster"]) > TARGETS["raster"]:
+        out.append("raster")
+    if not f["rows_true"] == f["rows_found"] == f["rows_matched"]:
+        out.append("rows")
+    if f["unmatched"]:
+        out.append("panels")
+    return out
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("rayfield")
+    parser.add_argument("out")
+    parser.add_argument("sites", nargs="+")
+    parser.add_argument("--json")
+    parser.add_argument("--reuse", action="store_true", help="keep simulations that are there")
+    arguments = parser.parse_args()
+    everything, bad = {}, False
+    print("| site | scan | plant area ratio | RRMSE | slope | rows | posts: median m, found, invented | ground RMSE open / vine, m | raster/panels | misses |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for site_file in arguments.sites:
+        name = os.path.splitext(os.path.basename(site_file))[0]
+        folder = f"{arguments.out}/{name}"
+        if not (arguments.reuse and os.path.isdir(f"{folder}/logs")):
+            run(arguments.rayfield, "simulate", site_file, "-o", f"{folder}/logs", "--overwrite", "-q")
+        subprocess.run(["rm", "-rf", f"{folder}/block", f"{folder}/maps"], check=True)
+        scans = sorted(os.path.dirname(p) for p in glob.glob(f"{folder}/logs/*/rays.ply"))
+        crs = f"EPSG:{json.load(open(scans[0] + '/truth/site.json'))['epsg']}"
+        run(arguments.rayfield, "init", f"{folder}/block", "--crs", crs)
+        ids = []
+        for scan in scans:
+            date, _, label = os.path.basename(scan).partition("_")
+            added = run(arguments.rayfield, "add", f"{folder}/block", f"{scan}/rays.ply", "--date", date,
+                        *(["--name", label] if label else []), "--json", "-q")
+            ids.append(added["scan_id"])
+        run(arguments.rayfield, "process", f"{folder}/block", "-q")
+        run(arguments.rayfield, "export", f"{folder}/block", "-o", f"{folder}/maps", "-q")
+        everything[name] = {}
+        for scan, scan_id in zip(scans, ids):
+            f = against_truth(f"{folder}/maps", scan_id, f"{scan}/truth", crs)
+            everything[name][scan_id] = f
+            missed = misses(f)
+            bad = bad or bool(missed)
+            print(f"| {name} | {scan_id} | {f['ratio']:.3f} | {100 * f.get('rrmse', float('nan')):.1f} % | {f.get('slope', float('nan')):.2f} "
+                  f"| {f['rows_matched']}/{f['rows_true']} (found {f['rows_found']}) | {f.get('posts_m', float('nan')):.3f}, "
+                  f"{f.get('posts_found', 0)}/{f.get('posts_true', 0)}, {f.get('posts_invented', 0)} "
+                  f"| {f.get('ground_open_m', float('nan')):.3f} / {f.get('ground_vine_m', float('nan')):.3f} | {1 + f['raster']:.4f} | {' '.join(missed) or '–'} |", flush=True)
+        leaves = {i: json.load(open(f"{s}/truth/site.json"))["leaf_area_m2"] for s, i in zip(scans, ids)}
+        for i, a in enumerate(ids):
+            for b in ids[i + 1:]:
+                if abs(leaves[a] - leaves[b]) > 1e-6 * max(leaves[a], 1):
+                    continue
+                pa, pb = everything[name][a]["by_panel"], everything[name][b]["by_panel"]
+                keys = [k for k in pa if k in pb]
+                x, y = np.array([pa[k] for k in keys]), np.array([pb[k] for k in keys])
+                rrmse = float(np.sqrt(np.mean((x - y) ** 2)) / np.mean([x, y]))
+                everything[name][f"{a} | {b}"] = {"repeat": rrmse}
+                missed = rrmse > TARGETS["repeat"]
+                bad = bad or missed
+                print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | {'repeat' if missed else '–'} |", flush=True)
+    if arguments.json:
+        with open(arguments.json, "w") as file:
+            json.dump(everything, file, indent=1)
+    sys.exit(1 if bad else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,413 @@
+#include "rayfield/formats/sensor_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "formats/bag_bytes.h"
+
+namespace rayfield::formats {
+namespace {
+
+using namespace bytes;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Collected : SensorSink {
+  std::vector<ImuSample> imus;
+  std::vector<GpsFix> fixes;
+  std::vector<SpinnerAngle> angles;
+  std::vector<LidarScan> scans;
+  std::string order;
+  void imu(const ImuSample& sample) override { imus.push_back(sample), order += 'i'; }
+  void gps(const GpsFix& fix) override { fixes.push_back(fix), order += 'g'; }
+  void spinner(const SpinnerAngle& angle) override { angles.push_back(angle), order += 's'; }
+  void lidar(const LidarScan& scan) override { scans.push_back(scan), order += 'l'; }
+};
+
+std::string connections(const char* lidar_type = kScanType, const char* lidar_md5 = kScanMd5) {
+  return connection(0, "/imu/data", kImuType, kImuMd5) + connection(1, "/gps/fix", kFixType, kFixMd5) +
+         connection(2, "/spinner/joint_states", kJointType, kJointMd5) +
+         connection(3, "/lidar/scan", lidar_type, lidar_md5);
+}
+
+Rig full_rig() {
+  Rig rig;
+  rig.spinner.emplace();
+  rig.gps.emplace();
+  return rig;
+}
+
+Rig lidar_rig() { return Rig(); }
+
+LogOptions any_sensors() {
+  LogOptions options;
+  options.require_imu = false;
+  options.require_lidar = false;
+  return options;
+}
+
+Result<LogReport> read(const std::string& records, const Rig& rig, SensorSink& sink, const LogOptions& options = {}) {
+  const TemporaryFile file(bag_header() + chunk(records));
+  return read_log(file.path(), rig, sink, options);
+}
+
+std::string imu_at(double seconds, double record_s) {
+  const auto split = [](double t) { return std::pair(std::floor(t), std::round((t - std::floor(t)) * 1e9)); };
+  const auto [stamp_s, stamp_ns] = split(seconds);
+  const auto [log_s, log_ns] = split(record_s);
+  return message(0, static_cast<std::uint32_t>(log_s), static_cast<std::uint32_t>(log_ns),
+                 imu(static_cast<std::uint32_t>(stamp_s), static_cast<std::uint32_t>(stamp_ns)));
+}
+std::string imu_at(double seconds) { return imu_at(seconds, seconds); }
+
+std::vector<double> times_of(const Collected& got) {
+  std::vector<double> times;
+  for (const ImuSample& sample : got.imus) times.push_back(sample.time_s);
+  return times;
+}
+
+TEST(SensorLog, DecodesEverySensorFromItsBytes) {
+  Collected got;
+  const ScanNumbers numbers{-1.0, 0.5, 1e-4, 0.1, 40};
+  const auto report = read(connections() + message(0, 100, 1, imu(100, 500000000, 0.7, 9.5)) +
+                               message(1, 100, 2, fix(100, 250000000, 1, -35.5, 138.25, 90.125)) +
+                               message(2, 100, 3, joints(100, 125000000, {"wheel", "spinner"}, {7.0, 1.25})) +
+                               message(3, 100, 4, scan(100, 0, numbers, {3.0, 4.0, 5.0}, {10, 20, 30})),
+                           full_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(got.order, "igsl");
+  EXPECT_EQ(got.imus[0].time_s, 100.5);
+  EXPECT_EQ(got.imus[0].angular_velocity_rad_s, Eigen::Vector3d(0.7, 0.2, 0.3));
+  EXPECT_EQ(got.imus[0].linear_acceleration_m_s2, Eigen::Vector3d(0.4, 0.5, 9.5));
+  EXPECT_EQ(got.fixes[0].time_s, 100.25);
+  EXPECT_EQ(got.fixes[0].latitude_deg, -35.5);
+  EXPECT_EQ(got.fixes[0].longitude_deg, 138.25);
+  EXPECT_EQ(got.fixes[0].height_m, 90.125);
+  EXPECT_EQ(got.fixes[0].covariance_enu_m2(0, 1), 0.01);
+  EXPECT_EQ(got.fixes[0].covariance_enu_m2(2, 2), 0.81);
+  EXPECT_EQ(got.fixes[0].covariance_type, 3);
+  EXPECT_EQ(got.angles[0].time_s, 100.125);
+  EXPECT_EQ(got.angles[0].angle_rad, 1.25);
+  EXPECT_THAT(got.scans[0].range_m, ElementsAre(3.0F, 4.0F, 5.0F));
+  EXPECT_THAT(got.scans[0].intensity, ElementsAre(10.0F, 20.0F, 30.0F));
+  EXPECT_NEAR(got.scans[0].direction[0].y(), std::sin(-1.0), 1e-7);
+  EXPECT_NEAR(got.scans[0].direction[2].x(), 1.0, 1e-7);
+  EXPECT_NEAR(got.scans[0].time_offset_s[2], 2e-4, 1e-10);
+  EXPECT_TRUE(report->topic(SensorKind::gps).longest_gap_s == 0 && report->segments.size() == 1);
+}
+
+TEST(SensorLog, FollowsRep117AndTheLimitsOfTheRig) {
+  // Columns: the raw ranges; what each convention makes of them. inf: nothing; -inf: too close; n: NaN.
+  const double inf = INFINITY;
+  const std::vector<double> raw = {5.0, inf, -inf, NAN, 0.0, 0.1, 30.0, 35.0, -2.0};
+  const auto classify = [&](NoReturn convention) {
+    Rig rig = lidar_rig();
+    rig.lidar.max_range_m = 30;
+    rig.lidar.no_return = convention;
+    Collected got;
+    const auto report = read(connections() + message(3, 1, 0, scan(1, 0, {}, raw)), rig, got, any_sensors());
+    EXPECT_TRUE(report) << report.error().line();
+    std::string text;
+    for (const float range : got.scans.at(0).range_m) {
+      text += std::isnan(range) ? "n" : range == INFINITY ? "+" : range == -INFINITY ? "-" : "r";
+    }
+    EXPECT_EQ(report->points.points, report->points.returns + report->points.no_returns + report->points.too_close +
+                                         report->points.invalid + report->points.without_direction);
+    return text;
+  };
+  EXPECT_EQ(classify(NoReturn::infinity), "r+-n--r+n");
+  EXPECT_EQ(classify(NoReturn::zero), "r+-n+-r+n");
+  EXPECT_EQ(classify(NoReturn::max_range), "r+-n--++n");
+}
+
+TEST(SensorLog, RefusesAMaximumRangeAboveTheSensors) {
+  Collected got;
+  ScanNumbers numbers;
+  numbers.range_max = 25;
+  const auto report =
+      read(connections() + message(3, 1, 0, scan(1, 0, numbers, {1.0})), lidar_rig(), got, any_sensors());
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::usage);
+  EXPECT_THAT(report.error().line(), HasSubstr("set max_range_m = 25"));
+}
+
+struct Vendor {
+  const char* name;
+  std::vector<CloudField> fields;
+  std::uint32_t step;
+  std::string (*time)(double offset_s);
+};
+
+/// Each vendor's point: x y z as float32 at 0, the time at 16 or where it says.
+TEST(SensorLog, UnderstandsThePointTimesOfTheUsualDrivers) {
+  const double stamp_s = 1549843200.5;
+  const std::vector<CloudField> xyz = {{"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}};
+  const auto with = [&](const CloudField& time_field) {
+    std::vector<CloudField> fields = xyz;
+    fields.push_back(time_field);
+    return fields;
+  };
+  const std::vector<Vendor> vendors = {
+      {"Velodyne time float32 s", with({"time", 16, 7}), 24, [](double s) { return f32(s) + u32(0); }},
+      {"Ouster t uint32 ns", with({"t", 16, 6}), 24, [](double s) { return u32(std::llround(s * 1e9)) + u32(0); }},
+      {"Hesai timestamp float64 s", with({"timestamp", 16, 8}), 24, [](double s) { return f64(1549843200.5 + s); }},
+      {"Livox timestamp float64 ns", with({"timestamp", 16, 8}), 24,
+       [](double s) { return f64((1549843200.5 + s) * 1e9); }},
+      {"Livox offset_time uint32 ns", with({"offset_time", 16, 6}), 24,
+       [](double s) { return u32(std::llround(s * 1e9)) + u32(0); }},
+      {"timestamp float64 µs", with({"timestamp", 16, 8}), 24, [](double s) { return f64((1549843200.5 + s) * 1e6); }},
+  };
+  for (const Vendor& vendor : vendors) {
+    std::string data;
+    for (int i = 0; i < 3; ++i) {
+      data += f32(3) + f32(4) + f32(0) + u32(0) + vendor.time(0.03 * i);
+    }
+    Collected got;
+    const auto report = read(connections(kCloudType, kCloudMd5) +
+                                 message(3, 1, 0, cloud(1549843200, 500000000, vendor.fields, vendor.step, data)),
+                             lidar_rig(), got, any_sensors());
+    ASSERT_TRUE(report) << vendor.name << ": " << report.error().line();
+    ASSERT_EQ(got.scans.size(), 1U) << vendor.name;
+    EXPECT_EQ(got.scans[0].time_s, stamp_s);
+    for (std::size_t i = 0; i < 3; ++i) {
+      // Doubles of seconds since 1970 have 0.24 µs spacing.
+      EXPECT_NEAR(got.scans[0].time_offset_s[i], 0.03 * static_cast<double>(i), 3e-7) << vendor.name;
+      EXPECT_EQ(got.scans[0].range_m[i], 5.0F);
+      EXPECT_NEAR(got.scans[0].direction[i].y(), 0.8, 1e-7);
+    }
+  }
+}
+
+TEST(SensorLog, RefusesPointCloudsWithoutTimePerPoint) {
+  Collected got;
+  const std::string data = f32(3) + f32(4) + f32(0) + f32(1);
+  const auto report =
+      read(connections(kCloudType, kCloudMd5) +
+               message(3, 1, 0, cloud(1, 0, {{"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}, {"intensity", 12, 7}}, 16, data)),
+           lidar_rig(), got, any_sensors());
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::bad_input);
+  EXPECT_THAT(report.error().line(), HasSubstr("no time per point (fields: x y z intensity)"));
+}
+
+TEST(SensorLog, LeavesOutPointsWhoseDirectionIsUnknown) {
+  Collected got;
+  std::string data;
+  for (const double x : {0.0, 2.0, static_cast<double>(NAN)}) data += f32(x) + f32(0) + f32(0) + f32(0);
+  const auto report =
+      read(connections(kCloudType, kCloudMd5) +
+               message(3, 1, 0, cloud(1, 0, {{"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}, {"time", 12, 7}}, 16, data)),
+           lidar_rig(), got, any_sensors());
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_THAT(got.scans.at(0).range_m, ElementsAre(2.0F));
+  EXPECT_EQ(report->points.without_direction, 1U);
+  EXPECT_EQ(report->points.invalid, 1U);
+  EXPECT_THAT(report->warnings(), ::testing::Contains(HasSubstr("at the sensor's origin")));
+}
+
+TEST(SensorLog, CountsMalformedMessagesAndGoesOn) {
+  const std::string good = imu(1, 0);
+  const std::string fields_lie = header(1, 0) + u32(1) + u32(1) + u32(0xffffffffU);
+  const std::string ranges_lie = header(1, 0) + floats({0, 0, 0, 0, 0, 0, 0}) + u32(0xffffffffU) + f32(1);
+  Collected got;
+  const auto report = read(connections() + message(0, 1, 0, good) + message(0, 2, 0, imu(2, 0).substr(0, 100)) +
+                               message(0, 3, 0, imu(3, 0) + "x") + message(0, 4, 0, "") + message(0, 5, 0, imu(5, 0)) +
+                               message(3, 6, 0, ranges_lie) + message(3, 7, 0, scan(7, 0, {}, {1.0})),
+                           lidar_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_THAT(times_of(got), ElementsAre(1, 5));
+  EXPECT_EQ(report->topic(SensorKind::imu).undecodable, 3U);
+  EXPECT_EQ(report->topic(SensorKind::lidar).undecodable, 1U);
+  Collected clouds;
+  const auto cloud_report =
+      read(connections(kCloudType, kCloudMd5) + message(3, 1, 0, fields_lie), lidar_rig(), clouds, any_sensors());
+  ASSERT_TRUE(cloud_report);
+  EXPECT_EQ(cloud_report->topic(SensorKind::lidar).undecodable, 1U);
+}
+
+TEST(SensorLog, LeavesOutNaNsAndFixesWithoutAPosition) {
+  Collected got;
+  const auto report =
+      read(connections() + message(0, 1, 0, imu(1, 0, NAN)) + message(0, 2, 0, imu(2, 0)) +
+               message(1, 3, 0, fix(3, 0, -1, 0, 0, 0)) + message(1, 4, 0, fix(4, 0, 0, NAN, 1, 1)) +
+               message(1, 5, 0, fix(5, 0, 0, 95, 1, 1)) + message(1, 6, 0, fix(6, 0, 0, 45, 1, 1)) +
+               message(2, 7, 0, joints(7, 0, {"spinner"}, {NAN})) + message(2, 8, 0, joints(8, 0, {"spinner"}, {1})) +
+               message(3, 9, 0, scan(9, 0, {}, {NAN, NAN})) + message(3, 10, 0, scan(10, 0, {}, {NAN, 2})),
+           full_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(got.order, "igsl");
+  EXPECT_EQ(report->topic(SensorKind::imu).invalid, 1U);
+  EXPECT_EQ(report->topic(SensorKind::gps).invalid, 3U);
+  EXPECT_EQ(report->topic(SensorKind::gps).without_position, 1U);
+  EXPECT_EQ(report->topic(SensorKind::spinner).invalid, 1U);
+  EXPECT_EQ(report->topic(SensorKind::lidar).invalid, 1U);
+}
+
+TEST(SensorLog, PutsMessagesBackInOrderWithinTheWindow) {
+  Collected got;
+  LogOptions options = any_sensors();
+  options.reorder_window_s = 0.5;
+  // 1.2 comes after 1.3 (within the window); 1.0 comes after 1.6 was due (too late).
+  const auto report = read(connections() + imu_at(0.9) + imu_at(1.3, 1.2) + imu_at(1.2, 1.3) + imu_at(1.6) +
+                               imu_at(2.6) + imu_at(1.0, 2.7) + imu_at(2.8),
+                           lidar_rig(), got, options);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(times_of(got), (std::vector<double>{0.9, 1.2, 1.3, 1.6, 2.6, 2.8}));
+  EXPECT_EQ(report->topic(SensorKind::imu).late + report->topic(SensorKind::imu).stray_stamps, 1U);
+  EXPECT_GE(report->topic(SensorKind::imu).reordered, 1U);
+}
+
+TEST(SensorLog, DeliversADuplicateOnce) {
+  Collected got;
+  const std::string same_scan = scan(5, 0, {}, {1.0, 2.0});
+  const auto report = read(connections() + imu_at(1) + imu_at(1) + imu_at(2) + message(3, 5, 0, same_scan) +
+                               message(3, 5, 1, same_scan) + message(3, 5, 2, scan(5, 0, {}, {3.0, 4.0})),
+                           lidar_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_THAT(times_of(got), ElementsAre(1, 2));
+  EXPECT_EQ(got.scans.size(), 2U);  // a lidar may send two different messages of one stamp
+  EXPECT_EQ(report->topic(SensorKind::imu).duplicates, 1U);
+  EXPECT_EQ(report->topic(SensorKind::lidar).duplicates, 1U);
+}
+
+TEST(SensorLog, LeavesOutASingleStrayStamp) {
+  for (const double stray : {2.0, 9000.0}) {
+    Collected got;
+    std::string records = connections();
+    for (int i = 0; i < 10; ++i) records += imu_at(i == 5 ? stray : 1000 + i, 1000 + i);
+    const auto report = read(records, lidar_rig(), got, any_sensors());
+    ASSERT_TRUE(report) << report.error().line();
+    EXPECT_EQ(got.imus.size(), 9U) << stray;
+    EXPECT_EQ(report->topic(SensorKind::imu).stray_stamps, 1U) << stray;
+    EXPECT_EQ(report->segments.size(), 1U) << stray;
+  }
+}
+
+TEST(SensorLog, LeavesOutAStrayStampAtTheVeryBeginning) {
+  Collected got;
+  std::string records = connections();
+  for (int i = 0; i < 10; ++i) records += imu_at(i == 0 ? 5.0 : 1000 + 0.01 * i, 1000 + 0.01 * i);
+  const auto report = read(records, lidar_rig(), got, any_sensors());
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(got.imus.size(), 9U);
+  EXPECT_EQ(report->segments.size(), 1U);
+}
+
+TEST(SensorLog, CutsTheLogWhereTheClockJumpsAndDeliversTheChosenSegment) {
+  for (const double jump : {3600.0, -3600.0}) {
+    std::string records = connections();
+    for (int i = 0; i < 10; ++i)
+      records += imu_at(10000 + i) + message(3, 10000U + static_cast<unsigned>(i), 1,
+                                             scan(10000U + static_cast<unsigned>(i), 0, {}, {1.0}));
+    for (int i = 10; i < 40; ++i) {
+      const double t = 10000 + i + jump;
+      records +=
+          imu_at(t) + message(3, static_cast<std::uint32_t>(t), 1, scan(static_cast<std::uint32_t>(t), 0, {}, {1.0}));
+    }
+    Collected first, second;
+    const auto report = read(records, lidar_rig(), first);
+    ASSERT_TRUE(report) << report.error().line();
+    EXPECT_EQ(first.imus.size(), 10U);
+    EXPECT_EQ(first.scans.size(), 10U);
+    ASSERT_EQ(report->segments.size(), 2U);
+    EXPECT_EQ(report->longest_segment, 1);
+    EXPECT_EQ(report->segments[1].messages, 30U);
+    EXPECT_DOUBLE_EQ(report->segments[1].first_s, 10010 + jump);
+    EXPECT_EQ(report->topic(SensorKind::imu).other_segments, 30U);
+    EXPECT_THAT(report->warnings(), ::testing::Contains(HasSubstr("the clock jumps 1 times")));
+    LogOptions options;
+    options.segment = 1;
+    ASSERT_TRUE(read(records, lidar_rig(), second, options));
+    EXPECT_EQ(second.imus.size(), 30U);
+    EXPECT_EQ(second.scans.size(), 30U);
+  }
+}
+
+TEST(SensorLog, DoesNotTakeASilentSensorForAClockJump) {
+  Collected got;
+  std::string records = connections();
+  for (int i = 0; i < 200; ++i) {
+    const auto t = static_cast<std::uint32_t>(1000 + i);
+    records += imu_at(t) + message(3, t, 1, scan(t, 0, {}, {1.0}));
+    if (i < 10 || i > 150) records += message(1, t, 2, fix(t, 0, 0, 45, 1, 1));  // GPS out for 140 s
+  }
+  const auto report = read(records, full_rig(), got, any_sensors());
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(report->segments.size(), 1U);
+  EXPECT_EQ(got.fixes.size(), 10U + 49U);
+  EXPECT_DOUBLE_EQ(report->topic(SensorKind::gps).longest_gap_s, 142.0);
+}
+
+TEST(SensorLog, TakesTheRecordingTimeOfMessagesWithoutAStamp) {
+  Collected got;
+  const auto report = read(connections() + message(0, 5, 500000000, imu(0, 0)), lidar_rig(), got, any_sensors());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(got.imus.at(0).time_s, 5.5);
+  EXPECT_EQ(report->topic(SensorKind::imu).without_stamp, 1U);
+}
+
+Error error_of(const std::string& records, const Rig& rig) {
+  Collected got;
+  const auto report = read(records, rig, got);
+  if (report) ADD_FAILURE() << "the log was read";
+  return report ? Error{} : report.error();
+}
+
+TEST(SensorLog, SaysClearlyWhatALogLacks) {
+  const std::string imu_only = connection(0, "/imu/data", kImuType, kImuMd5) + imu_at(1);
+  const std::string scan_message = message(3, 1, 0, scan(1, 0, {}, {1.0}));
+  EXPECT_THAT(error_of("", lidar_rig()).line(), HasSubstr("the bag holds no messages"));
+  EXPECT_THAT(error_of(imu_only, lidar_rig()).line(), HasSubstr("no lidar topic /lidar/scan, and no other topic"));
+  EXPECT_THAT(error_of(imu_only + connection(3, "/front", kScanType, kScanMd5) + scan_message, lidar_rig()).line(),
+              HasSubstr("choose from: /front (sensor_msgs/LaserScan)"));
+  EXPECT_THAT(error_of(connection(3, "/lidar/scan", kScanType, kScanMd5) + scan_message, lidar_rig()).line(),
+              HasSubstr("no IMU topic /imu/data"));
+  EXPECT_THAT(
+      error_of(imu_only + connection(5, "/packets", "ouster_ros/PacketMsg", "*") + message(5, 1, 0, "x"), lidar_rig())
+          .line(),
+      HasSubstr("only a sensor's raw packets: /packets (ouster_ros/PacketMsg)"));
+  EXPECT_THAT(
+      error_of(imu_only + connection(3, "/lidar/scan", "velodyne_msgs/VelodyneScan", "*") + scan_message, lidar_rig())
+          .line(),
+      HasSubstr("raw packets (velodyne_msgs/VelodyneScan)"));
+  EXPECT_THAT(
+      error_of(imu_only + connection(3, "/lidar/scan", "std_msgs/String", "*") + scan_message, lidar_rig()).line(),
+      HasSubstr("its type std_msgs/String does not serve as lidar"));
+  EXPECT_THAT(error_of(imu_only + connection(3, "/lidar/scan", kScanType, "0123") + scan_message, lidar_rig()).line(),
+              HasSubstr("md5sum 0123"));
+  EXPECT_THAT(error_of(connections() + imu_at(1) + message(3, 1, 0, scan(1, 0, {}, {NAN})), lidar_rig()).line(),
+              HasSubstr("not one of its 1 messages is usable (1 without a valid value"));
+  EXPECT_THAT(error_of(connections() + imu_at(1) + scan_message + message(2, 2, 0, joints(2, 0, {"a", "b"}, {1, 2})),
+                       full_rig())
+                  .line(),
+              HasSubstr("no message has the joint 'spinner'; joints there: a, b"));
+}
+
+TEST(SensorLog, StopsWhenAskedTo) {
+  struct Stop : Progress {
+    bool cancelled() const override { return true; }
+  } stop;
+  LogOptions options;
+  options.progress = &stop;
+  std::string records = connections();
+  for (unsigned i = 0; i < 8000; ++i) records += message(0, i, 0, imu(i, 0));  // over 1 MiB
+  Collected got;
+  const auto report = read(records, lidar_rig(), got, options);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::interrupted);
+}
+
+TEST(SensorLog, RefusesOptionsOutOfRange) {
+  Collected got;
+  LogOptions options;
+  options.segment = -1;
+  EXPECT_EQ(read("", lidar_rig(), got, options).error().code, ErrorCode::usage);
+  options = {};
+  options.reorder_window_s = NAN;
+  EXPECT_EQ(read("", lidar_rig(), got, options).error().code, ErrorCode::usage);
+}
+
+}  // namespace
+}  // namespace rayfield::formats

@@ -1,0 +1,83 @@
+#include "rayfield/density/element_size.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hedge_scene.h"
+#include "rayfield/density/voxel_grid.h"
+
+namespace rayfield::density {
+namespace {
+
+using testing::Hedge;
+using testing::HedgeOptions;
+
+ElementPairs pairs_of(const Hedge& hedge) {
+  const auto rays = hedge.scan({});
+  ElementPairs out;
+  for (int iy = -1; iy <= 0; ++iy)
+    for (int ix = -1; ix <= 0; ++ix) {
+      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, hedge.stretches(0.12, 0.72, 2.4), {}, {});
+      if (!accumulator || !accumulator->add(rays)) return {};
+      out += std::move(*accumulator).finish().pairs;
+    }
+  return out;
+}
+
+TEST(ElementSize, LeavesAreMeasuredWithinFifteenPercentFromThirtyFiveToAHundredSquareCentimetres) {
+  for (const double area : {0.0035, 0.0065, 0.0100})
+    for (const double per_metre : {1.5, 5.0}) {
+      HedgeOptions options;
+      options.leaf_area_m2 = area, options.leaf_area_per_m = per_metre;
+      const ElementSize size = estimate_element_size(pairs_of(Hedge(options)));
+      EXPECT_TRUE(size.measured);
+      EXPECT_NEAR(size.area_m2, area, 0.15 * area) << per_metre << " m²/m";
+    }
+}
+
+TEST(ElementSize, LeavesOnShootsLookAtMostAThirdLarger) {
+  HedgeOptions options;
+  options.shoots = true, options.leaf_area_m2 = 0.0065;
+  const double area = estimate_element_size(pairs_of(Hedge(options))).area_m2;
+  EXPECT_GT(area, 0.0065 * 0.9);
+  EXPECT_LT(area, 0.0065 * 1.33);
+}
+
+TEST(ElementSize, TooFewPairsGiveTheDefaultAndSaySo) {
+  const ElementSize size = estimate_element_size({});
+  EXPECT_FALSE(size.measured);
+  EXPECT_EQ(size.area_m2, ElementSize::kDefaultAreaM2);
+}
+
+TEST(ElementSize, ParallelRaysShareAnElementLessTheFurtherApartTheyAre) {
+  // Face-on squares of side l: E[(1−|Δu|/l)(1−|Δv|/l)] over the turn = 1 − 4r/(πl) + r²/(πl²). Tilted ones are shorter.
+  const double l = 0.08;
+  double last = 1;
+  for (const double r : {0.005, 0.01, 0.02, 0.04, 0.08}) {
+    const double p = same_element_probability(r, l, 0.001);
+    EXPECT_LT(p, last);
+    EXPECT_LT(p, 1 - 4 * r / (3.14159265 * l) + r * r / (3.14159265 * l * l) + 0.01);
+    last = p;
+  }
+  EXPECT_GT(same_element_probability(0.001, l, 0.001), 0.95);
+}
+
+TEST(ElementSize, PairsAreSortedByWhereTheNextRayEnds) {
+  ElementPairs pairs;
+  pairs.add(0.012, -0.2, true);    // ended long before: never came near
+  pairs.add(0.012, -0.07, true);   // in front
+  pairs.add(0.012, 0.01, true);    // at the same depth
+  pairs.add(0.012, 0.06, true);    // behind
+  pairs.add(0.012, 0.30, true);    // beyond
+  pairs.add(0.012, 5.0, false);    // went on
+  pairs.add(0.012, 0.05, false);   // cut off: nothing is known
+  pairs.add(0.20, 0.0, true);      // too far apart
+  EXPECT_EQ(pairs.near[2], 5u);
+  EXPECT_EQ(pairs.front[2], 1u);
+  EXPECT_EQ(pairs.same[2], 1u);
+  EXPECT_EQ(pairs.behind[2], 1u);
+}
+
+}  // namespace
+}  // namespace rayfield::density

@@ -1,0 +1,149 @@
+#include "rayfield/density/estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace rayfield::density {
+namespace {
+
+struct Sums {
+  double n = 0, m = 0, s = 0, h = 0;
+};
+
+/// One voxel of a Poisson medium of rate lambda crossed by rays with the given unimpeded lengths.
+Sums cast(double lambda, const std::vector<double>& lengths, std::mt19937_64& rng) {
+  std::exponential_distribution<double> free_path(lambda);
+  Sums out;
+  for (const double y : lengths) {
+    const double x = free_path(rng);
+    out.n += 1, out.s += std::min(x, y);
+    if (x < y) out.m += 1, out.h += x;
+  }
+  return out;
+}
+
+VoxelCounters counters_of(const Sums& s) {
+  VoxelCounters c;
+  c.rays = static_cast<std::uint32_t>(s.n), c.hits = static_cast<std::uint32_t>(s.m);
+  c.path = std::llround(s.s / VoxelCounters::kUnit), c.hit_path = std::llround(s.h / VoxelCounters::kUnit);
+  c.potential = c.path;
+  return c;
+}
+
+TEST(Estimator, UnbiasedIsWithinHalfAPercentOfAPoissonMediumForTwoToFiftyRays) {
+  std::mt19937_64 rng(11);
+  std::uniform_real_distribution<double> uniform(0.2, 1.7);
+  for (const int n : {2, 3, 5, 10, 20, 50})
+    for (const double lambda : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+      // Mixed path lengths of mean about one voxel side, the same in every trial; n = 2 has heavy tails.
+      std::vector<double> lengths(static_cast<std::size_t>(n));
+      for (double& y : lengths) y = uniform(rng);
+      double sum = 0, square = 0;
+      const int trials = lambda < 1 ? 1500000 / n + 20000 : 400000 / n + 20000;
+      for (int t = 0; t < trials; ++t) {
+        const double rate = estimate_voxel(counters_of(cast(lambda, lengths, rng)), 1.0, {}).density / 2;
+        sum += rate, square += rate * rate;
+      }
+      const double mean = sum / trials, se = std::sqrt((square / trials - mean * mean) / trials);
+      EXPECT_NEAR(mean, lambda, 0.005 * lambda + 3.5 * se) << "n " << n << " lambda " << lambda;
+    }
+}
+
+TEST(Estimator, ThePublishedEstimatorIsFivePercentLowAtTenRaysInThinAirAndLowerWithFewer) {
+  std::mt19937_64 rng(12);
+  for (const auto& [n, expected] : {std::pair{2, -0.27}, std::pair{10, -0.051}}) {
+    const std::vector<double> lengths(static_cast<std::size_t>(n), 1.0);
+    // Bias of (n−1)/n·m/S at λy = 0.1, as derived in docs/density.md to first order: (1 + λy/(2·n)·…)(1 − 1/n) − 1.
+    double sum = 0;
+    const int trials = 2000000 / n;
+    for (int t = 0; t < trials; ++t) {
+      const Sums s = cast(0.1, lengths, rng);
+      sum += estimate_paper(static_cast<std::uint64_t>(s.n), static_cast<std::uint64_t>(s.m), s.s).density / 2;
+    }
+    EXPECT_NEAR(sum / trials / 0.1 - 1, expected, 0.02) << n;
+  }
+}
+
+TEST(Estimator, WeightsAndProjectionsPerRayLeaveItUnbiased) {
+  std::mt19937_64 rng(13);
+  const double rho = 1.4;
+  std::vector<WeightedRay> rays = {{0.9, 0.3, 1, false}, {1.2, 0.6, 2, false}, {0.5, 0.8, 0.5, false}, {1.0, 0.5, 1, false}, {0.7, 0.4, 3, false}};
+  const std::vector<WeightedRay> potential = rays;
+  double sum = 0, square = 0;
+  const int trials = 400000;
+  for (int t = 0; t < trials; ++t) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      std::exponential_distribution<double> free_path(rho * potential[i].projection);
+      const double x = free_path(rng);
+      rays[i].hit = x < potential[i].path_m;
+      rays[i].path_m = std::min(x, potential[i].path_m);
+    }
+    const double e = estimate_weighted(rays.data(), rays.size());
+    sum += e, square += e * e;
+  }
+  const double mean = sum / trials, se = std::sqrt((square / trials - mean * mean) / trials);
+  EXPECT_NEAR(mean, rho, 0.003 * rho + 3.5 * se);
+}
+
+TEST(Estimator, JeffreysIntervalsCoverTheTruthAboutNinetyFiveTimesInAHundred) {
+  std::mt19937_64 rng(14);
+  double total = 0;
+  int cells = 0;
+  for (const int n : {5, 10, 20, 50})
+    for (const double lambda : {0.3, 1.0, 3.0}) {
+      const std::vector<double> lengths(static_cast<std::size_t>(n), 1.0);
+      int inside = 0;
+      const int trials = 4000;
+      for (int t = 0; t < trials; ++t) {
+        const Sums s = cast(lambda, lengths, rng);
+        const Interval i = jeffreys_interval(static_cast<std::uint64_t>(s.m), s.s);
+        if (i.low <= lambda && lambda <= i.high) ++inside;
+      }
+      const double coverage = static_cast<double>(inside) / trials;
+      EXPECT_GT(coverage, 0.92) << "n " << n << " lambda " << lambda;
+      EXPECT_LT(coverage, 0.985) << "n " << n << " lambda " << lambda;
+      total += coverage, ++cells;
+    }
+  EXPECT_GT(total / cells, 0.93);
+  EXPECT_LT(total / cells, 0.96);
+}
+
+TEST(Estimator, GammaQuantilesAgreeWithClosedForms) {
+  // a = 1: exponential; a = 1/2: the normal distribution, P = erf(√x).
+  for (const double p : {0.025, 0.5, 0.975}) EXPECT_NEAR(gamma_p_inverse(1, p), -std::log(1 - p), 1e-10);
+  for (const double x : {0.01, 0.7, 3.0, 20.0}) EXPECT_NEAR(gamma_p(0.5, x), std::erf(std::sqrt(x)), 1e-12);
+  // a = 3: 1 − e^{−x}(1 + x + x²/2).
+  for (const double x : {0.2, 3.9, 4.1, 30.0}) EXPECT_NEAR(gamma_p(3, x), 1 - std::exp(-x) * (1 + x + x * x / 2), 1e-12);
+}
+
+TEST(Estimator, AVoxelWithoutHitsHasDensityZeroAndAnIntervalFromZero) {
+  const VoxelEstimate e = estimate_voxel(counters_of({5, 0, 4.0, 0}), 0.1, {});
+  EXPECT_TRUE(e.observed);
+  EXPECT_EQ(e.density, 0);
+  EXPECT_EQ(jeffreys_interval(0, 4).low, 0);
+  EXPECT_GT(jeffreys_interval(0, 4).high, 0);
+}
+
+TEST(Estimator, OneRayIsNoObservation) {
+  EXPECT_FALSE(estimate_voxel(counters_of({1, 1, 0.5, 0.5}), 0.1, {}).observed);
+  EXPECT_FALSE(estimate_voxel({}, 0.1, {}).observed);
+}
+
+TEST(Estimator, OptionsOutOfRangeAreRefused) {
+  EstimatorOptions o;
+  EXPECT_TRUE(o.validate().has_value());
+  o.leaf_area_m2 = 0.06;
+  EXPECT_EQ(o.validate().error().code, ErrorCode::usage);
+  o = {};
+  o.paper_min_rays = 0;
+  EXPECT_FALSE(o.validate().has_value());
+  EXPECT_FALSE(parse_estimator("best").has_value());
+  EXPECT_EQ(*parse_estimator(estimator_name(Estimator::paper)), Estimator::paper);
+}
+
+}  // namespace
+}  // namespace rayfield::density
