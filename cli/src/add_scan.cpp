@@ -91,11 +91,12 @@ Result<tile::InputEntry> describe_input(const fs::path& path) {
 
 }  // namespace
 
-Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<fs::path>& clouds, tile::AddOptions options,
-                                   Progress& progress) {
+Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<fs::path>& clouds, bool allow_truncated,
+                                   tile::AddOptions options, Progress& progress) {
   std::vector<std::unique_ptr<RaySource>> parts;
   for (const fs::path& path : clouds) {
-    RAYFIELD_ASSIGN(std::unique_ptr<formats::PlyReader> reader, formats::PlyReader::open(path.string()));
+    RAYFIELD_ASSIGN(std::unique_ptr<formats::PlyReader> reader,
+                    formats::PlyReader::open(path.string(), {.allow_truncated = allow_truncated}));
     if (reader->crs() && *reader->crs() != store.config().crs)
       return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                   fmt::format("it is in {}, the store in {}", *reader->crs(), store.config().crs),
@@ -108,7 +109,10 @@ Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<fs::pat
     return {};
   }));
   JoinedSource rays(std::move(parts));
-  return store.add(rays, options, progress);
+  Result<tile::AddReport> report = store.add(rays, options, progress);
+  if (!report && report.error().code == ErrorCode::bad_input)
+    for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
+  return report;
 }
 
 }  // namespace rayfield::cli

@@ -11,7 +11,8 @@
 namespace rayfield::cli {
 
 /// Adds ray clouds (raycloudtools PLY) to a store as one scan. `options.inputs` is filled here.
+/// `allow_truncated`: take what is there of a cloud that was cut short.
 Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<std::filesystem::path>& clouds,
-                                   tile::AddOptions options, Progress& progress);
+                                   bool allow_truncated, tile::AddOptions options, Progress& progress);
 
 }  // namespace rayfield::cli

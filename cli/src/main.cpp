@@ -29,6 +29,18 @@ int report(const Error& error, bool json) {
   return static_cast<int>(error.code);
 }
 
+// What CLI11 found wrong, in the words of our errors.
+Error usage_error(const CLI::App& app, const std::vector<std::string>& arguments, const CLI::ParseError& problem) {
+  const CLI::App* command = nullptr;
+  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (!arguments.empty() && candidate->get_name() == arguments.front()) command = candidate;
+  if (command == nullptr && !arguments.empty())
+    return {ErrorCode::usage, "wrong usage", arguments.front(), "no such command", "see `rayfield --help`"};
+  if (command == nullptr) return {ErrorCode::usage, "wrong usage", "", "no command given", "see `rayfield --help`"};
+  return {ErrorCode::usage, "wrong usage", "rayfield " + command->get_name(), problem.what(),
+          fmt::format("see `rayfield {} --help`", command->get_name())};
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"rayfield: lidar drives through vineyards and orchards to canopy density maps", "rayfield"};
   app.set_version_flag("--version", std::string("rayfield ") + rayfield::cli::kVersion);
@@ -47,10 +59,7 @@ int run(int argc, char** argv) {
     app.parse(reversed);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
-    const std::string verb = arguments.empty() ? "" : " " + arguments.front();
-    return report({ErrorCode::usage, "wrong usage", "", e.what(),
-                   fmt::format("see `rayfield{} --help`", app.get_subcommands().empty() ? "" : verb)},
-                  false);
+    return report(usage_error(app, arguments, e), false);
   }
 
   const auto outcome = commands.run_parsed(command_line);

@@ -14,6 +14,7 @@ namespace {
 struct AddArguments {
   std::string store, date, name;
   std::vector<std::string> clouds;
+  bool allow_truncated = false;
 };
 
 // What --dry-run says: how much there is to read and about what the tiles will take.
@@ -43,7 +44,8 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
   const std::vector<std::filesystem::path> clouds(arguments.clouds.begin(), arguments.clouds.end());
   if (context.options.dry_run) return describe_add(store, clouds);
-  RAYFIELD_ASSIGN(const tile::AddReport report, add_clouds(store, clouds, options, context.progress));
+  RAYFIELD_ASSIGN(const tile::AddReport report,
+                  add_clouds(store, clouds, arguments.allow_truncated, options, context.progress));
 
   Outcome outcome;
   outcome.data = {
@@ -84,6 +86,8 @@ void add_add_verb(Commands& commands) {
   command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
+  command->add_flag("--allow-truncated", arguments->allow_truncated,
+                    "Take what is there of a cloud that was cut short");
 }
 
 }  // namespace rayfield::cli

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // The chain of commands that a user would type, on a simulated block.
 Result<Outcome> run_demo(const std::string& folder, const Context& context) {
-  const fs::path root(folder), logs = root / "logs", block = root / "block", maps = root / "maps";
+  const fs::path root(folder), logs = root / "logs", block = root / "demo_block", maps = root / "maps";
   std::error_code failed;
   if (fs::exists(root) && !fs::is_empty(root, failed)) {
     const bool ours = fs::exists(block / "store.json") || fs::exists(logs);
@@ -48,7 +48,7 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
     options.threads = context.options.threads, options.memory_bytes = context.options.memory_bytes;
     options.command =
         fmt::format("rayfield add {} {} --date {}", block.string(), (scan.folder / "rays.ply").string(), scan.date);
-    RAYFIELD_CHECK(add_clouds(store, {scan.folder / "rays.ply"}, options, context.progress));
+    RAYFIELD_CHECK(add_clouds(store, {scan.folder / "rays.ply"}, false, options, context.progress));
   }
   density::ProcessOptions process;
   process.threads = context.options.threads;
@@ -70,9 +70,9 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
       "Open in QGIS: {} (layer panel_by_date comes coloured)\n"
       "         and: {}\n"
       "Look at:      {}\n",
-      logs.string(), block.string(), maps.string(), (maps / "block.gpkg").string(),
-      (maps / fmt::format("block_{}_plan_density.tif", scans.back().date)).string(),
-      (maps / fmt::format("block_{}_plan_density.png", scans.back().date)).string());
+      logs.string(), block.string(), maps.string(), (maps / "demo_block.gpkg").string(),
+      (maps / fmt::format("demo_block_{}_plan_density.tif", scans.back().date)).string(),
+      (maps / fmt::format("demo_block_{}_plan_density.png", scans.back().date)).string());
   return outcome;
 }
 

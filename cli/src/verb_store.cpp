@@ -1,6 +1,7 @@
 // The commands that only concern the store: init, status, log, verify, gc.
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "rayfield/core/date.h"
@@ -17,6 +18,9 @@ using nlohmann::ordered_json;
 Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& config, const Context& context) {
   RAYFIELD_CHECK(config.validate());
   RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(config.crs));
+  if (std::filesystem::exists(std::filesystem::path(folder) / "store.json"))
+    return fail(ErrorCode::usage, "cannot make a store", folder, "there is one already",
+                "see `rayfield status`, or give another folder");
   if (!context.options.dry_run) RAYFIELD_CHECK(tile::Store::create(folder, config));
   Outcome outcome;
   outcome.data = {{"store", folder},
@@ -31,7 +35,11 @@ Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& con
 
 ordered_json scan_json(const tile::ScanEntry& scan) {
   std::uint64_t bytes = 0, segments = 0;
-  for (const tile::TileEntry& entry : scan.tiles) bytes += entry.file.size, segments += entry.segment_count;
+  for (const tile::TileEntry& entry : scan.tiles) {
+    segments += entry.segment_count;
+    bytes += entry.file.size;
+    for (const tile::FileEntry& file : entry.more_files) bytes += file.size;
+  }
   ordered_json derived = ordered_json::object();
   for (const tile::DerivedEntry& entry : scan.derived) derived[entry.kind] = derived.value(entry.kind, 0) + 1;
   return {

@@ -77,8 +77,8 @@ SameElement same_element(const std::vector<PlaneSample>& samples, double r, doub
 
 /// Counts at one distance as shares of the rays that get that far.
 struct Observed {
-  double r, weight;             ///< weight: rays that arrive at the central window
-  double front, centre, behind; ///< share that ends in each window, of those that enter it
+  double r, weight;              ///< weight: rays that arrive at the central window
+  double front, centre, behind;  ///< share that ends in each window, of those that enter it
 };
 
 std::vector<Observed> observe(const ElementPairs& pairs, double from_m, double to_m) {

@@ -53,7 +53,7 @@ Result<BlockLayout> load_layout(const tile::Store& store, const tile::Snapshot& 
 Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan& surveyed,
                                              tile::Store::DerivedWriter& writer, BlockLayout& block) {
   KeyBuilder key(parameters_of(work.options), kLayoutVersion);
-  for (const tile::TileEntry& entry : work.scan.tiles) key.add(entry.file.sha256);
+  for (const tile::TileEntry& entry : work.scan.tiles) key.add(entry.content_sha256());
   Derivation registry(work.store, writer, "", work.options.redo);
   RAYFIELD_ASSIGN(const tile::ArraySet arrays,
                   registry.get(kKind, entry_name(work.options), key.hex(), [&]() -> Result<tile::ArraySet> {

@@ -42,8 +42,8 @@ double azimuth_mean_projection(double zenith_rad, double inclination_rad) {
   const double cc = std::cos(zenith_rad) * std::cos(inclination_rad);
   const double ss = std::sin(zenith_rad) * std::sin(inclination_rad);
   if (cc >= ss) return cc;
-  const double psi = std::acos(cc / ss);
-  return cc * (1 + 2 / kPi * (std::tan(psi) - psi));
+  // cc·(1 + 2/π·(tan ψ − ψ)) with cos ψ = cc/ss, in a form that stays finite for horizontal rays.
+  return cc + 2 / kPi * (std::sqrt(ss * ss - cc * cc) - cc * std::acos(cc / ss));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 constexpr int kDepths = 12;  // deeper voxels count as this deep
 constexpr int kLayers = 2;   // donors at most so many layers higher or lower
 constexpr double kMinDonors = 4;
-constexpr double kMinPooled = 12;  // voxel sides of potential path in a pool
+constexpr double kMinPooled = 12;                // voxel sides of potential path in a pool
 constexpr int kFirstReach = 4, kLastReach = 64;  // columns along the row
 constexpr int kMaxBorrow = 6;
 
@@ -67,7 +67,8 @@ class Donors {
         sums_(static_cast<std::size_t>(r.n_along + 1) * static_cast<std::size_t>(kDepths + 1) *
               static_cast<std::size_t>(r.n_up)) {}
 
-  void set_section(const RowDensity& r, std::span<const VoxelCounters> counters, int along, const std::vector<int>& depth) {
+  void set_section(const RowDensity& r, std::span<const VoxelCounters> counters, int along,
+                   const std::vector<int>& depth) {
     for (int d = 0; d <= kDepths; ++d)
       for (int u = 0; u < layers_; ++u) at(along + 1, d, u) = at(along, d, u);
     std::size_t i = 0;
@@ -190,7 +191,8 @@ void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters) {
       for (int u = 0; u < row.n_up; ++u, ++i) {
         const std::size_t voxel = first + i;
         if (row.state[voxel] == VoxelState::pooled) take_pool(row, donors, a, u, depth[i], voxel);
-        if (row.state[voxel] == VoxelState::unobserved && 2 * seen >= section) fill_voxel(row, donors, a, c, u, depth[i]);
+        if (row.state[voxel] == VoxelState::unobserved && 2 * seen >= section)
+          fill_voxel(row, donors, a, c, u, depth[i]);
       }
   }
 }

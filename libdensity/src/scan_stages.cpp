@@ -27,7 +27,7 @@ std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex
 
 Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
   KeyBuilder key("survey", kSurveyVersion);
-  add_options(key, work.options.survey).add(entry.file.sha256);
+  add_options(key, work.options.survey).add(entry.content_sha256());
   RAYFIELD_ASSIGN(const tile::ArraySet arrays,
                   work.files.get("survey", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
                     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
@@ -132,7 +132,7 @@ Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const
   KeyBuilder key("stretches", kProfileVersion);
   add_options(key, work.options.stretches).add(work.layout_key);
   for (const tile::TileEntry& entry : work.scan.tiles)
-    key.add(entry.file.sha256).add(work.files.sha256("ground", tile_name(entry.index)));
+    key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   RAYFIELD_ASSIGN(
       const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), [&]() -> Result<tile::ArraySet> {
         CanopyProfile profile;

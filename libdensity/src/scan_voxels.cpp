@@ -88,7 +88,7 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchL
                                                                      scene.wood, work.options.voxels));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
-    add_options(key, work.options.voxels).add(entry.file.sha256);
+    add_options(key, work.options.voxels).add(entry.content_sha256());
     for (const Stretch& stretch : scene.stretches) add_stretch(key, stretch);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
     RAYFIELD_CHECK(work.files.get("voxels", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace rayfield::density {
@@ -194,13 +195,16 @@ UpperPart find_upper(const StemGrid& g, const PostOptions& options, double low_h
   UpperPart best;
   for (int slab = static_cast<int>(std::lround(options.min_post_height_m / g.slab_m)); slab + 1 < g.n_slabs; ++slab) {
     Contrast pair;
+    double least = std::numeric_limits<double>::infinity();
     for (int s = slab; s < slab + 2; ++s) {
       const Contrast here = contrast_at(g, stem.foot + stem.lean * ((s + 0.5) * g.slab_m), stem.radius_m, s);
       pair.on_area = here.on_area, pair.around_area = here.around_area;
       pair.add(here);
+      least = std::min(least, here.on);
     }
     if (pair.on < 6 || pair.ratio() < options.min_contrast) continue;
-    const double share = pair.on / (2 * low_hits);
+    // A post shows in both slabs, a tuft of leaves or a cane in one; the post's top may end within the upper one.
+    const double share = std::min(pair.on / 2, 2 * least) / low_hits;
     if (share > best.share) best = {slab, share};
   }
   return best;
@@ -278,11 +282,6 @@ std::vector<GridStem> find_stems(const StemGrid& grid, const PostOptions& option
     const double low_hits = std::max(1.0, low.on / (zone.end - zone.first));
     follow_up(grid, zone, circle, options, stem);
     UpperPart upper = find_upper(grid, options, low_hits, stem);
-    // Half a metre of stem tells its lean only roughly: most posts stand upright.
-    GridStem upright = stem;
-    upright.foot = circle.centre, upright.lean.setZero();
-    const UpperPart above = find_upper(grid, options, low_hits, upright);
-    if (above.share > upper.share) upper = above, stem = upright;
     if (upper.share > 0.5) {
       straighten(grid, zone, circle.centre, upper, stem);
       upper = find_upper(grid, options, low_hits, stem);

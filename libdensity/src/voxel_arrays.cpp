@@ -69,7 +69,8 @@ Result<Cursor> open(const tile::ArraySet& a) {
   RAYFIELD_ASSIGN(c.hit_path3, a.column<std::int64_t>("hit_path3"));
   std::size_t hit_voxels = 0;
   for (const std::uint32_t h : c.hits) hit_voxels += h > 0 ? 1u : 0u;
-  if (c.rays.size() != c.hits.size() || c.rays.size() != c.path.size()) return damaged("columns of voxels differ in length");
+  if (c.rays.size() != c.hits.size() || c.rays.size() != c.path.size())
+    return damaged("columns of voxels differ in length");
   for (const auto& sums : {c.potential, c.path2, c.path3, c.hit_path, c.hit_path2, c.hit_path3})
     if (sums.size() != hit_voxels) return damaged("sums over hits do not match the hits");
   return c;

@@ -119,14 +119,14 @@ Result<Eigen::VectorXd> BlockSystem::solve() const {
   return x;
 }
 
-Result<std::vector<Matrix6d>> BlockSystem::marginals(const std::vector<int>& blocks) const {
-  std::vector<Matrix6d> out;
+Result<std::vector<Eigen::MatrixXd>> BlockSystem::marginals(const std::vector<int>& blocks, int width) const {
+  std::vector<Eigen::MatrixXd> out;
   const auto gather = [&](const auto& solver) {
     for (const int b : blocks) {
-      Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * blocks_, 6);
-      unit.block<6, 6>(6 * b, 0).setIdentity();
+      Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * blocks_, 6 * width);
+      unit.middleRows(6 * b, 6 * width).setIdentity();
       const Eigen::MatrixXd column = solver.solve(unit);
-      out.push_back(column.block<6, 6>(6 * b, 0));
+      out.push_back(column.middleRows(6 * b, 6 * width));
     }
   };
   if (storage_ == Storage::dense) {

@@ -64,8 +64,8 @@ class BlockSystem {
   /// Solves for x by Cholesky factorisation. Errors: bad_input where H is not positive definite.
   Result<Eigen::VectorXd> solve() const;
 
-  /// The diagonal 6×6 blocks of H⁻¹ (marginal covariances) of the asked blocks.
-  Result<std::vector<Matrix6d>> marginals(const std::vector<int>& blocks) const;
+  /// Marginal covariances: for each asked block b the part of H⁻¹ that belongs to the blocks b … b+width-1.
+  Result<std::vector<Eigen::MatrixXd>> marginals(const std::vector<int>& blocks, int width = 1) const;
 
   const Eigen::VectorXd& gradient() const { return gradient_; }
   int blocks() const { return blocks_; }

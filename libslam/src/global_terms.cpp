@@ -210,7 +210,7 @@ Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
   const int samples = std::min(knots, 60);
   for (int k = 0; k < samples; ++k) blocks.push_back(static_cast<int>((k + 0.5) * knots / samples));
   blocks.push_back(frame_.extra_block);
-  RAYFIELD_ASSIGN(const std::vector<Matrix6d> covariance, system_.marginals(blocks));
+  RAYFIELD_ASSIGN(const std::vector<Eigen::MatrixXd> covariance, system_.marginals(blocks));
   stats.uncertainty.clear();
   for (int k = 0; k < samples; ++k) {
     const double time = std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0,

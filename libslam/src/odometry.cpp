@@ -12,6 +12,7 @@ namespace rayfield::slam {
 namespace {
 
 constexpr double kGravity = 9.80665;
+constexpr double kAccelBiasSigma = 0.1; // m/s², before anything is known
 constexpr double kMaxStartSpeed = 3.5;  // m/s, of a drive that begins in motion
 
 double now_s() {
@@ -26,7 +27,6 @@ Odometry::Odometry(const Rig& rig, const SlamOptions& options, double epoch_s)
   out_.track.step_s = imu_.step_s();
   out_.noise.gyro_density = rig.imu.gyro_noise_rad_s_sqrt_hz;
   out_.noise.accel_density = rig.imu.accel_noise_m_s2_sqrt_hz;
-  bias_variance_.setZero();
 }
 
 void Odometry::add(const BodyScan& scan) {
@@ -93,20 +93,20 @@ Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   const std::size_t from = bin < bin_begin_.size() ? bin_begin_[bin] : out_.surfels.size();
   WindowPrior prior;
   prior.first = first;
-  prior.first_tilt_sigma_rad = first_tilt_sigma_;
-  prior.bias_information = bias_variance_.cwiseInverse();
-  // Gravity stands still in the world; what moves is the windowed trajectory's own tilt: 0.3 mrad a window.
-  prior.gravity_information = first ? 1e14 : 1 / std::pow(3e-4 * kGravity, 2);
+  prior.covariance = inertial_covariance_;
   RAYFIELD_ASSIGN(WindowStats stats,
                   solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_, out_.noise, prior,
                                first_sample, last_sample, state_));
-  // Windows overlap: a datum is used length/advance times, so the posterior is that much too sure.
-  const double reuse = options_.window.length_s / options_.window.advance_s;
-  const double drift = options_.window.advance_s;
-  Vector6d walk;
+  // Windows overlap: a datum is used length/advance times, so only that share of the information gained is kept.
+  const double reuse = first ? 1.0 : options_.window.length_s / options_.window.advance_s;
+  const Matrix8d before = inertial_covariance_.inverse(), after = stats.covariance.inverse();
+  inertial_covariance_ = (before + (after - before) / reuse).inverse();
+  Eigen::Matrix<double, 8, 1> walk;
   walk << Eigen::Vector3d::Constant(rig_.imu.gyro_bias_rad_s2_sqrt_hz),
-      Eigen::Vector3d::Constant(rig_.imu.accel_bias_m_s3_sqrt_hz);
-  bias_variance_ = (reuse * stats.bias_variance + drift * walk.cwiseProduct(walk)).cwiseMin(bias_variance_ * 1.2);
+      Eigen::Vector3d::Constant(rig_.imu.accel_bias_m_s3_sqrt_hz),
+      Eigen::Vector2d::Constant(kGravity * rig_.imu.gyro_noise_rad_s_sqrt_hz);  // the trajectory's own tilt drifts
+  inertial_covariance_.diagonal() += options_.window.advance_s * walk.cwiseProduct(walk);
+  inertial_covariance_ = 0.5 * (inertial_covariance_ + inertial_covariance_.transpose()).eval();
   // Noisier data than the rig file says: grow slowly towards what is seen, never below the file's figure.
   const auto follow = [](double& scale, double seen) { scale = std::clamp(0.9 * scale + 0.1 * seen, 1.0, 20.0); };
   follow(out_.noise.gyro_scale, stats.gyro_rms);
@@ -123,9 +123,10 @@ Result<void> Odometry::start() {
   out_.start.stationary_s = guess.stationary_s;
   state_.gyro_bias = guess.gyro_bias;
   state_.gravity = Eigen::Vector3d(0, 0, kGravity);
-  first_tilt_sigma_ = guess.tilt_sigma_rad;
-  bias_variance_ << Eigen::Vector3d::Constant(std::pow(guess.gyro_bias_sigma, 2)),
-      Eigen::Vector3d::Constant(std::pow(0.1, 2));
+  Eigen::Matrix<double, 8, 1> sigma;
+  sigma << Eigen::Vector3d::Constant(guess.gyro_bias_sigma), Eigen::Vector3d::Constant(kAccelBiasSigma),
+      Eigen::Vector2d::Constant(kGravity * guess.tilt_sigma_rad);
+  inertial_covariance_ = sigma.cwiseProduct(sigma).asDiagonal();
   out_.track.rotation = {guess.level_from_imu};
   out_.track.position = {Eigen::Vector3d::Zero()};
   integrate_to(last);

@@ -72,8 +72,7 @@ class Odometry {
   std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
   std::vector<std::size_t> bin_begin_;           // index of the first surfel of each bin
   InertialState state_;
-  Vector6d bias_variance_;
-  double first_tilt_sigma_ = 0.02;
+  Matrix8d inertial_covariance_ = Matrix8d::Identity();
   OdometryResult out_;
 };
 

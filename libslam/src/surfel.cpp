@@ -7,6 +7,8 @@
 namespace rayfield::slam {
 namespace {
 
+constexpr double kUpright = 0.3;  // 1 − |n_z| of a surface that also holds the horizontal position: steeper than 45°
+
 struct Cell {
   int x = 0, y = 0, z = 0;
   int count = 0;
@@ -64,7 +66,7 @@ class CellMap {
 
 // Fits a plane to a cell; false where it is not planar enough (method: surfels).
 bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
-         std::size_t level, Surfel& out) {
+         std::size_t level, Surfel& out, double& tilt) {
   if (cell.count < options.min_points) return false;
   const double n = cell.count;
   const Eigen::Vector3d mean = cell.sum / n;
@@ -81,6 +83,7 @@ bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track
   const Rigid3 pose = track.pose(out.time_s);
   const Eigen::Quaterniond inverse = pose.rotation.conjugate();
   const Eigen::Vector3d center = inverse * (mean + origin - pose.translation);
+  tilt = 1 - std::abs(eigen.eigenvectors()(2, 0));
   Eigen::Vector3d normal = inverse * eigen.eigenvectors().col(0);
   if (normal.dot(center) > 0) normal = -normal;
   out.center = center.cast<float>();
@@ -113,8 +116,12 @@ void extract_level(std::span<const Eigen::Vector3d> world, std::span<const BodyP
     }
     for (const Cell& cell : map.cells()) {
       Surfel s;
-      if (fit(cell, origin, track, options, level, s))
-        found.emplace_back(cell_hash(cell.x, cell.y, 2 * cell.z + stagger), s);
+      double tilt = 0;
+      if (!fit(cell, origin, track, options, level, s, tilt)) continue;
+      // Ground is plentiful and holds height, roll and pitch only: when there is too much, upright surfaces stay.
+      const std::uint64_t rank = (tilt > kUpright ? std::uint64_t{0} : std::uint64_t{1} << 63) |
+                                 (cell_hash(cell.x, cell.y, 2 * cell.z + stagger) >> 1);
+      found.emplace_back(rank, s);
     }
   }
   const std::size_t keep = static_cast<std::size_t>(options.max_surfels_per_bin);

@@ -1,5 +1,6 @@
 #include "window.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -43,16 +44,32 @@ void add_start(const ResidualFrame& frame, const WindowPrior& prior, double star
     for (int j = 0; j < 3; ++j) system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(kFixed));
     return;
   }
-  // Correction zero at the start: translation and yaw exactly, tilt within its prior.
+  // No correction at the start. That holds its tilt too: what is wrong with it shows as the direction of gravity.
   const SplineWeights w = frame.spline.weights(start_s);
-  Vector6d root;
-  root << 1e4, 1e4, 1e4, 1 / prior.first_tilt_sigma_rad, 1 / prior.first_tilt_sigma_rad, 1e4;
   LinearResidual<6> r;
-  for (int j = 0; j < 4; ++j) r.at(frame.first_knot_block + w.first + j).diagonal() += w.value[j] * root;
+  for (int j = 0; j < 4; ++j) r.at(frame.first_knot_block + w.first + j).diagonal().array() += w.value[j] * 1e4;
   system.add(r, 1);
   // A knot that no datum reaches must not make the system singular.
   for (int j = 0; j < frame.spline.knots(); ++j)
     system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(1e-4));
+}
+
+// The joint prior of biases and gravity: e = L⁻¹·(x − x₀) with covariance L·Lᵀ.
+void add_inertial_prior(const WindowPrior& prior, const InertialState& before, const InertialState& now, int bias_block,
+                        int extra_block, BlockSystem& system) {
+  const Matrix8d whitening =
+      prior.covariance.llt().matrixL().solve(Matrix8d::Identity());
+  Eigen::Matrix<double, 8, 1> moved;
+  moved << now.gyro_bias - before.gyro_bias, now.accel_bias - before.accel_bias,
+      (now.gravity - before.gravity).head<2>();
+  LinearResidual<8> r;
+  r.error = whitening * moved;
+  r.at(bias_block) = whitening.leftCols<6>();
+  r.at(extra_block).leftCols<2>() = whitening.rightCols<2>();
+  system.add(r, 1);
+  Vector6d rest = Vector6d::Constant(kFixed);
+  rest.head<2>().setZero();
+  system.add_prior(extra_block, Vector6d::Zero(), rest);
 }
 
 }  // namespace
@@ -145,13 +162,7 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
     stats.gyro_rms = std::sqrt(sums.gyro / std::max(1, sums.count)) * noise.gyro_scale;
     stats.accel_rms = std::sqrt(sums.accel / std::max(1, sums.count)) * noise.accel_scale;
     add_start(frame, prior, stats.start_s, system);
-    Vector6d bias_offset;
-    bias_offset << before.gyro_bias - state.gyro_bias, before.accel_bias - state.accel_bias;
-    system.add_prior(bias_block, bias_offset, prior.bias_information);
-    Vector6d extra_information = Vector6d::Constant(kFixed), extra_offset = Vector6d::Zero();
-    extra_information.head<2>().setConstant(prior.gravity_information);
-    extra_offset.head<2>() = (before.gravity - state.gravity).head<2>();
-    system.add_prior(extra_block, extra_offset, extra_information);
+    add_inertial_prior(prior, before, state, bias_block, extra_block, system);
 
     RAYFIELD_ASSIGN(const Eigen::VectorXd x, system.solve());
     apply_correction(track, frame.spline, x.head(6 * frame.spline.knots()), first_sample, last_sample);
@@ -165,8 +176,8 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
     for (int j = 0; j < frame.spline.knots(); ++j) largest = std::max(largest, x.segment<3>(6 * j).norm());
     if (f >= 1 && largest < options.window.converged_m) break;
   }
-  RAYFIELD_ASSIGN(const std::vector<Matrix6d> covariance, system.marginals({bias_block}));
-  stats.bias_variance = covariance[0].diagonal();
+  RAYFIELD_ASSIGN(const std::vector<Eigen::MatrixXd> joint, system.marginals({bias_block}, 2));
+  stats.covariance = joint[0].topLeftCorner<8, 8>();
   return stats;
 }
 

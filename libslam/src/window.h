@@ -21,12 +21,14 @@ struct InertialNoise {
   double accel_variance(double duration_s) const;
 };
 
+/// Gyro bias, accelerometer bias, and the two horizontal components of gravity: what one window hands to the next.
+/// They belong together: at rest only gravity less accelerometer bias is seen.
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
 /// What is known before a window is solved.
 struct WindowPrior {
   bool first = false;  ///< the pose at the window's start is the gauge; otherwise the trajectory joins a frozen past
-  Vector6d bias_information = Vector6d::Constant(1);
-  double gravity_information = 1;    ///< per (m/s²)²
-  double first_tilt_sigma_rad = 0.05;
+  Matrix8d covariance = Matrix8d::Identity();  ///< of biases and gravity
 };
 
 /// How a window went.
@@ -40,7 +42,7 @@ struct WindowStats {
   /// Standard deviation of the window's mean translation from lidar alone along its weakest direction, m.
   double weakest_sigma_m = 0;
   Eigen::Vector3d weakest_direction = Eigen::Vector3d::Zero();
-  Vector6d bias_variance = Vector6d::Zero();
+  Matrix8d covariance = Matrix8d::Zero();  ///< of biases and gravity, after the window
 };
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.

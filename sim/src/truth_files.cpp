@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <fstream>
-#include <iterator>
 
 #include "rayfield/sim/truth.h"
 
@@ -15,8 +14,8 @@ void tum_lines(const std::vector<TimedPose>& poses, Text& out) {
   for (const TimedPose& pose : poses) {
     const Eigen::Vector3d& p = pose.map_from_body.translation;
     const Eigen::Quaterniond& q = pose.map_from_body.rotation;
-    fmt::format_to(std::back_inserter(out), "{:.6f} {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.time_s,
-                   p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    out += fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.time_s, p.x(), p.y(), p.z(),
+                       q.x(), q.y(), q.z(), q.w());
   }
 }
 
@@ -41,41 +40,39 @@ Text map_trajectory_text(const Truth& truth) {
 Text rows_text(const Truth& truth) {
   Text out = "row,e0,n0,e1,n1\n";
   for (const Truth::Row& r : truth.rows)
-    fmt::format_to(std::back_inserter(out), "{},{:.9g},{:.9g},{:.9g},{:.9g}\n", r.row, r.from.x(), r.from.y(), r.to.x(),
-                   r.to.y());
+    out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g}\n", r.row, r.from.x(), r.from.y(), r.to.x(), r.to.y());
   return out;
 }
 
 Text panels_text(const Truth& truth) {
   Text out = "row,panel,e0,n0,e1,n1,length_m,leaf_area_m2,leaf_area_per_m,wood_area_m2\n";
   for (const Truth::Panel& p : truth.panels)
-    fmt::format_to(std::back_inserter(out), "{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", p.row,
-                   p.panel, p.from.x(), p.from.y(), p.to.x(), p.to.y(), p.length_m, p.leaf_area_m2,
-                   p.leaf_area_m2 / p.length_m, p.wood_area_m2);
+    out += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", p.row, p.panel, p.from.x(),
+                       p.from.y(), p.to.x(), p.to.y(), p.length_m, p.leaf_area_m2, p.leaf_area_m2 / p.length_m,
+                       p.wood_area_m2);
   return out;
 }
 
 Text metres_text(const Truth& truth) {
   Text out = "row,along_m,e,n,leaf_area_per_m,wood_area_per_m\n";
   for (const Truth::Metre& m : truth.metres)
-    fmt::format_to(std::back_inserter(out), "{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", m.row, m.along_m, m.position.x(),
-                   m.position.y(), m.leaf_area_per_m, m.wood_area_per_m);
+    out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", m.row, m.along_m, m.position.x(), m.position.y(),
+                       m.leaf_area_per_m, m.wood_area_per_m);
   return out;
 }
 
 Text posts_text(const Truth& truth) {
   Text out = "row,post,along_m,e,n,z,height_m,diameter_m,kind\n";
   for (const Post& p : truth.posts)
-    fmt::format_to(std::back_inserter(out), "{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", p.row, p.post,
-                   p.chainage_m, p.position.x(), p.position.y(), p.ground_m, p.height_m, p.diameter_m,
-                   p.kind == PostKind::strainer ? "strainer" : "line");
+    out += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", p.row, p.post, p.chainage_m,
+                       p.position.x(), p.position.y(), p.ground_m, p.height_m, p.diameter_m,
+                       p.kind == PostKind::strainer ? "strainer" : "line");
   return out;
 }
 
 Text ground_text(const Truth& truth) {
   Text out = "e,n,z\n";
-  for (const Eigen::Vector3d& p : truth.ground)
-    fmt::format_to(std::back_inserter(out), "{:.9g},{:.9g},{:.9g}\n", p.x(), p.y(), p.z());
+  for (const Eigen::Vector3d& p : truth.ground) out += fmt::format("{:.9g},{:.9g},{:.9g}\n", p.x(), p.y(), p.z());
   return out;
 }
 

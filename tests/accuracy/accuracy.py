@@ -31,9 +31,16 @@ def run(*command):
     return json.loads(done.stdout) if "--json" in command else done.stdout
 
 
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def read_csv(path):
     with open(path, newline="") as file:
-        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        return [{k: number(v) for k, v in row.items()} for row in csv.DictReader(file)]
 
 
 class Frame:
@@ -242,7 +249,7 @@ def main():
                 print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | {'repeat' if missed else '–'} |", flush=True)
     if arguments.json:
         with open(arguments.json, "w") as file:
-            json.dump(everything, file, indent=1)
+            json.dump(everything, file, indent=1, default=float)
     sys.exit(1 if bad else 0)
 
 

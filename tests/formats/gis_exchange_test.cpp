@@ -56,8 +56,6 @@ TEST(GeoJson, PanelsLieWhereTheyShouldInLongitudeAndLatitude) {
     EXPECT_LT(nearest_deg, 2e-9);  // the file carries nine decimals
     ++i;
   }
-  const std::unique_ptr<OGRFeature> first(layer->GetFeature(0) != nullptr ? layer->GetFeature(0)
-                                                                          : layer->GetFeature(1));
   const std::string text = bytes_of(folder / "a.geojson");
   EXPECT_NE(text.find("\"lai\":null"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos);

@@ -8,6 +8,10 @@
 #include "gis_support.h"
 #include "rayfield/formats/picture.h"
 
+// Read by LeakSanitizer where it is built in: fontconfig keeps its font tables until the process ends.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
+
 namespace rayfield::formats {
 namespace {
 

@@ -16,7 +16,12 @@
 #include "rayfield/formats/geotiff.h"
 #include "rayfield/formats/picture.h"
 
-/// What all writers promise of the file system: whole files or none, and the right code when the disk says no.
+// What all writers promise of the file system: whole files or none, and the right code when the disk says no.
+
+// Read by LeakSanitizer where it is built in: fontconfig keeps its font tables until the process ends.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
+
 namespace rayfield::formats {
 namespace {
 

@@ -65,14 +65,14 @@ TEST(ElementSize, ParallelRaysShareAnElementLessTheFurtherApartTheyAre) {
 
 TEST(ElementSize, PairsAreSortedByWhereTheNextRayEnds) {
   ElementPairs pairs;
-  pairs.add(0.012, -0.2, true);    // ended long before: never came near
-  pairs.add(0.012, -0.07, true);   // in front
-  pairs.add(0.012, 0.01, true);    // at the same depth
-  pairs.add(0.012, 0.06, true);    // behind
-  pairs.add(0.012, 0.30, true);    // beyond
-  pairs.add(0.012, 5.0, false);    // went on
-  pairs.add(0.012, 0.05, false);   // cut off: nothing is known
-  pairs.add(0.20, 0.0, true);      // too far apart
+  pairs.add(0.012, -0.2, true);   // ended long before: never came near
+  pairs.add(0.012, -0.07, true);  // in front
+  pairs.add(0.012, 0.01, true);   // at the same depth
+  pairs.add(0.012, 0.06, true);   // behind
+  pairs.add(0.012, 0.30, true);   // beyond
+  pairs.add(0.012, 5.0, false);   // went on
+  pairs.add(0.012, 0.05, false);  // cut off: nothing is known
+  pairs.add(0.20, 0.0, true);     // too far apart
   EXPECT_EQ(pairs.near[2], 5u);
   EXPECT_EQ(pairs.front[2], 1u);
   EXPECT_EQ(pairs.same[2], 1u);

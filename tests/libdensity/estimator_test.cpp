@@ -71,7 +71,8 @@ TEST(Estimator, ThePublishedEstimatorIsFivePercentLowAtTenRaysInThinAirAndLowerW
 TEST(Estimator, WeightsAndProjectionsPerRayLeaveItUnbiased) {
   std::mt19937_64 rng(13);
   const double rho = 1.4;
-  std::vector<WeightedRay> rays = {{0.9, 0.3, 1, false}, {1.2, 0.6, 2, false}, {0.5, 0.8, 0.5, false}, {1.0, 0.5, 1, false}, {0.7, 0.4, 3, false}};
+  std::vector<WeightedRay> rays = {
+      {0.9, 0.3, 1, false}, {1.2, 0.6, 2, false}, {0.5, 0.8, 0.5, false}, {1.0, 0.5, 1, false}, {0.7, 0.4, 3, false}};
   const std::vector<WeightedRay> potential = rays;
   double sum = 0, square = 0;
   const int trials = 400000;
@@ -117,7 +118,8 @@ TEST(Estimator, GammaQuantilesAgreeWithClosedForms) {
   for (const double p : {0.025, 0.5, 0.975}) EXPECT_NEAR(gamma_p_inverse(1, p), -std::log(1 - p), 1e-10);
   for (const double x : {0.01, 0.7, 3.0, 20.0}) EXPECT_NEAR(gamma_p(0.5, x), std::erf(std::sqrt(x)), 1e-12);
   // a = 3: 1 − e^{−x}(1 + x + x²/2).
-  for (const double x : {0.2, 3.9, 4.1, 30.0}) EXPECT_NEAR(gamma_p(3, x), 1 - std::exp(-x) * (1 + x + x * x / 2), 1e-12);
+  for (const double x : {0.2, 3.9, 4.1, 30.0})
+    EXPECT_NEAR(gamma_p(3, x), 1 - std::exp(-x) * (1 + x + x * x / 2), 1e-12);
 }
 
 TEST(Estimator, AVoxelWithoutHitsHasDensityZeroAndAnIntervalFromZero) {

@@ -12,7 +12,8 @@
 /// A hedge through counting, estimating and integrating.
 namespace rayfield::density::testing {
 
-inline RowDensity density_of(const Hedge& hedge, const tile::SegmentBatch& rays, double voxel_m, const EstimatorOptions& options) {
+inline RowDensity density_of(const Hedge& hedge, const tile::SegmentBatch& rays, double voxel_m,
+                             const EstimatorOptions& options) {
   const bool wide = hedge.options().sigma_across_m > 0.25;
   const auto stretches = hedge.stretches(voxel_m, wide ? 1.2 : 0.72, 2.5);
   const auto wood = hedge.posts();
@@ -55,10 +56,11 @@ struct Agreement {
 inline Agreement compare(const std::vector<double>& estimate, const std::vector<double>& truth) {
   const auto n = static_cast<double>(truth.size());
   double se = 0, st = 0, ss = 0, sxy = 0, sxx = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) se += estimate[i], st += truth[i], ss += std::pow(estimate[i] - truth[i], 2);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    se += estimate[i], st += truth[i], ss += std::pow(estimate[i] - truth[i], 2);
   for (std::size_t i = 0; i < truth.size(); ++i)
     sxy += (truth[i] - st / n) * (estimate[i] - se / n), sxx += std::pow(truth[i] - st / n, 2);
-  return {se / st, std::sqrt(ss / n) / (st / n), sxx > 0 ? sxy / sxx : NAN};
+  return {se / st, std::sqrt(ss / n) / (st / n), sxx > 0 ? sxy / sxx : std::nan("")};
 }
 
 inline std::vector<double> leaf_areas(const RowDensity& row, const std::vector<Panel>& panels) {

@@ -68,7 +68,8 @@ void Hedge::build_grid() {
     box_.extend(Vector3d(post.base - reach)), box_.extend(Vector3d(post.base + post.length_m * post.axis + reach));
   }
   for (int k = 0; k < 3; ++k) n_[k] = std::max(1, static_cast<int>(std::ceil(box_.sizes()[k] / kCell)));
-  const auto cells = static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]);
+  const auto cells =
+      static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) * static_cast<std::size_t>(n_[2]);
   cell_start_.assign(cells + 1, 0);
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<std::uint32_t> fill(cell_start_.begin(), cell_start_.end() - 1);
@@ -82,8 +83,10 @@ void Hedge::build_grid() {
       for (int z = lo[2]; z <= hi[2]; ++z)
         for (int y = lo[1]; y <= hi[1]; ++y)
           for (int x = lo[0]; x <= hi[0]; ++x) {
-            const auto cell = (static_cast<std::size_t>(z) * static_cast<std::size_t>(n_[1]) + static_cast<std::size_t>(y)) *
-                                  static_cast<std::size_t>(n_[0]) + static_cast<std::size_t>(x);
+            const auto cell =
+                (static_cast<std::size_t>(z) * static_cast<std::size_t>(n_[1]) + static_cast<std::size_t>(y)) *
+                    static_cast<std::size_t>(n_[0]) +
+                static_cast<std::size_t>(x);
             if (pass == 0)
               ++cell_start_[cell + 1];
             else
@@ -134,8 +137,10 @@ double Hedge::cast(const Vector3d& o, const Vector3d& d) const {
     }
     for (;;) {
       const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-      const auto cell = (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n_[1]) + static_cast<std::size_t>(i[1])) *
-                            static_cast<std::size_t>(n_[0]) + static_cast<std::size_t>(i[0]);
+      const auto cell =
+          (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(n_[1]) + static_cast<std::size_t>(i[1])) *
+              static_cast<std::size_t>(n_[0]) +
+          static_cast<std::size_t>(i[0]);
       for (std::uint32_t at = cell_start_[cell]; at < cell_start_[cell + 1]; ++at) {
         const Leaf& leaf = leaves_[cell_leaf_[at]];
         const Vector3d normal = leaf.half_u.cross(leaf.half_v);
@@ -178,11 +183,12 @@ tile::SegmentBatch Hedge::scan(const ScanOptions& scan) const {
         const double a = (wide.min()[k] - o[k]) * inv, c = (wide.max()[k] - o[k]) * inv;
         t0 = std::max(t0, std::min(a, c)), t1 = std::min(t1, std::max(a, c));
       }
-      if (t0 >= t1) continue;
-      const double range = cast(o, d);
+      const bool near = t0 < t1;
+      if (!near && !scan.everything) continue;
+      const double range = near ? cast(o, d) : -1;
       const bool hit = range > 0 && range < 8;
       out.entry.push_back(o);
-      out.exit.push_back(o + d * (hit ? range + scan.range_noise_m * normal(rng) : 8.0));
+      out.exit.push_back(o + d * (hit ? range + scan.range_noise_m * normal(rng) : scan.everything ? 40.0 : 8.0));
       out.time_s.push_back(1.5e9 + t + side * duration);
       out.intensity.push_back(hit ? 100 : 0);
       out.flags.push_back(static_cast<std::uint8_t>(tile::kStartsHere | tile::kEndsHere | (hit ? tile::kHit : 0)));

@@ -17,15 +17,15 @@ namespace rayfield::density::testing {
 
 struct HedgeOptions {
   double length_m = 9;
-  double leaf_area_m2 = 0.0035;       ///< of one leaf
-  double leaf_area_per_m = 3;         ///< mean, m² per metre of row
-  double variation = 0.35;            ///< relative, of leaf_area_per_m along the row (period 4.5 m)
-  double sigma_across_m = 0.14;       ///< normal distribution across
-  double bottom_m = 0.9, top_m = 1.9; ///< uniform in height, edges softened by 8 cm
-  bool shoots = false;                ///< leaves stand on upright shoots instead of independently
+  double leaf_area_m2 = 0.0035;                   ///< of one leaf
+  double leaf_area_per_m = 3;                     ///< mean, m² per metre of row
+  double variation = 0.35;                        ///< relative, of leaf_area_per_m along the row (period 4.5 m)
+  double sigma_across_m = 0.14;                   ///< normal distribution across
+  double bottom_m = 0.9, top_m = 1.9;             ///< uniform in height, edges softened by 8 cm
+  bool shoots = false;                            ///< leaves stand on upright shoots instead of independently
   double missing_from_m = -1, missing_to_m = -1;  ///< no leaves there
   double slope_x = 0, slope_y = 0;
-  double post_every_m = 0;            ///< 0 = no posts
+  double post_every_m = 0;  ///< 0 = no posts
   double post_radius_m = 0.05, post_height_m = 1.9;
   std::uint64_t seed = 1;
 };
@@ -37,6 +37,7 @@ struct ScanOptions {
   double beams_per_s = 28600, lines_per_s = 100, spin_hz = 0.5;
   double range_noise_m = 0.012;
   bool both_sides = true;
+  bool everything = false;  ///< keep the rays that pass the hedge by, too (ground, sky, road)
   std::uint64_t seed = 7;
 };
 

@@ -96,8 +96,11 @@ TEST(RowDensity, AMissingVineIsAGap) {
   options.missing_from_m = 7, options.missing_to_m = 9;
   const Hedge hedge(options);
   const auto metres = row_metres(density_of(hedge, hedge.scan({}), kVoxel, {}), 18, {});
-  for (const RowMetreProduct& m : metres)
-    if (m.chainage_m > 7.3 && m.chainage_m < 8.7) EXPECT_LT(m.leaf_area_per_m, 0.05);
+  for (const RowMetreProduct& m : metres) {
+    if (m.chainage_m > 7.3 && m.chainage_m < 8.7) {
+      EXPECT_LT(m.leaf_area_per_m, 0.05);
+    }
+  }
 }
 
 TEST(RowDensity, TheInsideOfADenseHedgeIsPooledOrFilledAndMarked) {

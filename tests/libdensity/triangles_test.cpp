@@ -102,7 +102,8 @@ TEST(Triangles, AreaDensityOfTrianglesIsFoundWithinTwoPercentWithTheFiniteLeafCo
       }
       const double mean = sum / trials, se = std::sqrt((square / trials - mean * mean) / trials);
       EXPECT_NEAR(mean / density, 1.0, 0.02 + 2 * se / density)
-          << "side " << side << " density " << density << " se " << se / density << " uncorrected " << plain / trials / density;
+          << "side " << side << " density " << density << " se " << se / density << " uncorrected "
+          << plain / trials / density;
     }
 }
 

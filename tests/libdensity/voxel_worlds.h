@@ -28,7 +28,8 @@ inline Stretch make_stretch() {
 /// By the definition in row_layout.h, independently of the library's own transform.
 inline Eigen::Vector3d map_from_grid(const Stretch& s, const Eigen::Vector3d& g) {
   const double along = g.x() * s.voxel_m, across = s.across_min_m + g.y() * s.voxel_m;
-  const Eigen::Vector2d p = s.origin + along * s.direction + across * Eigen::Vector2d(-s.direction.y(), s.direction.x());
+  const Eigen::Vector2d p =
+      s.origin + along * s.direction + across * Eigen::Vector2d(-s.direction.y(), s.direction.x());
   return {p.x(), p.y(), s.ground_m + s.slope_along * along + s.slope_across * across + s.up_min_m + g.z() * s.voxel_m};
 }
 
@@ -54,7 +55,9 @@ inline void copy_ray(const tile::SegmentBatch& from, std::size_t i, tile::Segmen
 inline tile::SegmentBatch random_rays(const Stretch& s, int count, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform(-0.25, 1.25);
-  const auto point = [&] { return map_from_grid(s, {uniform(rng) * s.n_along, uniform(rng) * s.n_across, uniform(rng) * s.n_up}); };
+  const auto point = [&] {
+    return map_from_grid(s, {uniform(rng) * s.n_along, uniform(rng) * s.n_across, uniform(rng) * s.n_up});
+  };
   tile::SegmentBatch rays;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d from = point();

@@ -40,9 +40,11 @@ TEST(Wood, AVerticalRayFromAboveEntersThroughTheTop) {
 
 TEST(Wood, OnlyDetectedPostsOnKnownGroundBecomeCylinders) {
   std::vector<Post> posts(3);
-  posts[0] = {1, 0, 0, {1, 2}, 1.8, 0.04, true};
-  posts[1] = {1, 6, 0, {1, 8}, 1.8, 0.04, false};
-  posts[2] = {1, 12, 0, {1, 14}, 1.8, 0.04, true};
+  for (std::size_t i = 0; i < 3; ++i) {
+    posts[i].row = 1, posts[i].position = {1, 2.0 + 6.0 * static_cast<double>(i)};
+    posts[i].height_m = 1.8, posts[i].radius_m = 0.04;
+  }
+  posts[1].detected = false;
   const std::vector<double> ground = {5.0, 5.0, std::nan("")};
   const auto wood = cylinders_of_posts(posts, ground);
   ASSERT_EQ(wood.size(), 1u);

@@ -33,7 +33,9 @@ struct RowDensity {
   std::vector<float> density;            ///< m²/m³, everything but masked wood
   std::vector<float> variance;           ///< (m²/m³)²
   std::vector<VoxelState> state;
-  bool seen(std::size_t voxel) const { return state[voxel] == VoxelState::observed || state[voxel] == VoxelState::pooled; }
+  bool seen(std::size_t voxel) const {
+    return state[voxel] == VoxelState::observed || state[voxel] == VoxelState::pooled;
+  }
   std::vector<float> wood_area;        ///< masked wood, m² per voxel (half its surface); empty if there is none
   std::vector<float> free_share;       ///< share of a column outside masked wood, [(along·n_across+across)]; empty = 1
   std::vector<std::uint32_t> entries;  ///< per along index: rays that enter the row there

@@ -1,0 +1,184 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+
+namespace rayfield::test {
+namespace {
+
+using testing::HasSubstr;
+
+// A cloud of `count` rays that go down from 2 m above a moving vehicle.
+std::string cloud(std::size_t count, const std::string& format = "binary_little_endian", bool starts = true) {
+  std::string text = "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(count) +
+                     "\nproperty double x\nproperty double y\nproperty double z\nproperty double time\n";
+  if (starts) text += "property float nx\nproperty float ny\nproperty float nz\n";
+  text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    const double row[4] = {500000.0 + 0.01 * static_cast<double>(i), 5200000.0, 100.0,
+                           1.6e9 + 0.001 * static_cast<double>(i)};
+    const float start[3] = {0, 0, 2};
+    text.append(reinterpret_cast<const char*>(row), sizeof(row));
+    if (starts) text.append(reinterpret_cast<const char*>(start), sizeof(start));
+    text.append("\x80\x80\x80\xff", 4);
+  }
+  return text;
+}
+
+// Expects a refusal with that exit code and exactly one line that says `why`.
+void expect_refused(const Outcome& run, int exit_code, const std::string& why) {
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  EXPECT_EQ(run.error_lines(), 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr(why));
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_EQ(rayfield({"init", store(), "--crs", "EPSG:32632"}).exit_code, 0); }
+  std::string store() const { return folder_.path("block"); }
+  std::string put(const std::string& name, const std::string& content) const {
+    write_file(folder_.path(name), content);
+    return folder_.path(name);
+  }
+  Folder folder_;
+};
+
+TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
+  for (const char* verb :
+       {"demo", "simulate", "init", "add", "process", "export", "info", "status", "log", "verify", "gc"}) {
+    const Outcome run = rayfield({verb, "--help"});
+    EXPECT_EQ(run.exit_code, 0) << verb;
+    EXPECT_THAT(run.out, HasSubstr(std::string("rayfield ") + verb)) << verb;
+    EXPECT_THAT(run.out, HasSubstr("Example")) << verb;
+  }
+}
+
+TEST_F(CommandLine, WrongUsageEndsWithTwo) {
+  expect_refused(rayfield({}), 2, "no command");
+  expect_refused(rayfield({"frobnicate"}), 2, "no such command");
+  expect_refused(rayfield({"add", store()}), 2, "CLOUD");
+  expect_refused(rayfield({"process", store(), "--threads", "none"}), 2, "threads");
+  expect_refused(rayfield({"process", store(), "--memory", "lots"}), 2, "lots");
+  expect_refused(rayfield({"add", store(), "x.ply", "--date", "2019-02-30"}), 2, "calendar");
+}
+
+TEST_F(CommandLine, RefusesCoordinateSystemsThatMapsCannotBeMadeIn) {
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:4326"}), 2, "geographic");
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:999999"}), 2, "not know");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("g")));
+}
+
+TEST_F(CommandLine, RefusesToMakeAStoreWhereOneIs) {
+  expect_refused(rayfield({"init", store(), "--crs", "EPSG:32632"}), 2, "already");
+}
+
+TEST_F(CommandLine, RefusesWhatIsNoRayCloudAndNamesTheReason) {
+  const auto add = [&](const std::string& path) { return rayfield({"add", store(), path, "--date", "2021-05-01"}); };
+  expect_refused(add(put("a.ply", "not a ply file")), 3, "not a PLY");
+  expect_refused(add(put("b.ply", cloud(10, "ascii"))), 3, "ASCII");
+  expect_refused(add(put("c.ply", cloud(10).substr(0, 500))), 3, "truncated");
+  expect_refused(add(put("d.ply", cloud(10) + "tail")), 3, "4 bytes follow");
+  expect_refused(add(put("e.ply", cloud(10, "binary_little_endian", false))), 3, "without ray starts");
+  expect_refused(add(put("f.ply", cloud(0))), 3, "no rays");
+  expect_refused(add(folder_.path("missing.ply")), 3, "No such file");
+  const auto status = nlohmann::json::parse(rayfield({"status", store(), "--json"}).out);
+  EXPECT_TRUE(status["scans"].empty()) << "a refused cloud leaves nothing behind";
+}
+
+TEST_F(CommandLine, TakesWhatIsThereOfATruncatedCloudWhenAsked) {
+  const std::string path = put("cut.ply", cloud(10).substr(0, cloud(10).size() - 100));
+  const Outcome run = rayfield({"add", store(), path, "--date", "2021-05-01", "--allow-truncated", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto report = nlohmann::json::parse(run.out);
+  EXPECT_EQ(report["rays"], 7) << "three of ten 48-byte rays are cut";
+  EXPECT_FALSE(report["warnings"].empty());
+}
+
+TEST_F(CommandLine, CountsRaysWithCoordinatesThatAreNotNumbers) {
+  std::string bytes = cloud(20);
+  const std::size_t body = bytes.find("end_header\n") + 11;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::size_t ray : {2U, 5U, 11U}) std::memcpy(bytes.data() + body + ray * 48, &nan, sizeof(nan));
+  const Outcome run = rayfield({"add", store(), put("nan.ply", bytes), "--date", "2021-05-01", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto report = nlohmann::json::parse(run.out);
+  EXPECT_EQ(report["rays"], 17);
+  EXPECT_THAT(report["warnings"].dump(), HasSubstr("3 rays"));
+}
+
+TEST_F(CommandLine, TheSameScanTwiceIsNothingToDoAndAnotherOneOfThatDateIsRefused) {
+  const std::string first = put("first.ply", cloud(50)), second = put("second.ply", cloud(60));
+  ASSERT_EQ(rayfield({"add", store(), first, "--date", "2021-05-01"}).exit_code, 0);
+  const Outcome again = rayfield({"add", store(), first, "--date", "2021-05-01", "--json"});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(again.out)["already_there"], true);
+  expect_refused(rayfield({"add", store(), second, "--date", "2021-05-01"}), 2, "--name");
+  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--name", "evening"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--overwrite"}).exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(rayfield({"status", store(), "--json"}).out)["scans"].size(), 2U);
+}
+
+TEST_F(CommandLine, AScanWithoutRowsEndsWithThreeAndLosesNothing) {
+  ASSERT_EQ(rayfield({"add", store(), put("lane.ply", cloud(3000)), "--date", "2021-05-01"}).exit_code, 0);
+  expect_refused(rayfield({"process", store(), "-q"}), 3, "no rows found");
+  EXPECT_EQ(rayfield({"verify", store(), "-q"}).exit_code, 0);
+}
+
+TEST_F(CommandLine, SaysWhatIsMissingBeforeAnythingWasAddedOrProcessed) {
+  expect_refused(rayfield({"process", store()}), 2, "no scan");
+  expect_refused(rayfield({"export", store(), "-o", folder_.path("maps")}), 2, "not been processed");
+  expect_refused(rayfield({"status", folder_.path("nowhere")}), 3, "nowhere");
+}
+
+TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
+  ASSERT_EQ(rayfield({"add", store(), put("a.ply", cloud(5000)), "--date", "2021-05-01"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"verify", store()}).exit_code, 0);
+  std::string damaged;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(store())) {
+    if (entry.path().extension() != ".h5" || !damaged.empty()) continue;
+    std::string bytes = read_file(entry.path());
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    std::filesystem::permissions(entry.path(), std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+    write_file(entry.path(), bytes);
+    damaged = entry.path().filename().string();
+  }
+  ASSERT_FALSE(damaged.empty());
+  const Outcome run = rayfield({"verify", store(), "--json"});
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(nlohmann::json::parse(run.out)["damaged"].dump(), HasSubstr(damaged));
+}
+
+TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
+  ASSERT_EQ(rayfield({"add", store(), put("a.ply", cloud(50)), "--date", "2021-05-01"}).exit_code, 0);
+  const std::string good = put("good.toml", "threads = 1\n[process]\nvoxel-size = -1.0\n");
+  expect_refused(rayfield({"process", store(), "--config", good}), 2, "voxel");
+  const std::string wins = put("wins.toml", "[process]\nvoxel-size = -1.0\n");
+  const Outcome given = rayfield({"process", store(), "--config", wins, "--voxel-size", "0.12", "-q"});
+  EXPECT_EQ(given.exit_code, 3) << "the command line wins, and the scan has no rows: " << given.err;
+  const std::string bad = put("bad.toml", "[process]\nvoxel_sise = 0.1\n");
+  const Outcome refused = rayfield({"process", store(), "--config", bad});
+  expect_refused(refused, 2, "voxel_sise");
+  EXPECT_THAT(refused.err, HasSubstr("bad.toml:2"));
+}
+
+TEST_F(CommandLine, JsonIsOneDocumentAlsoForErrors) {
+  const Outcome good = rayfield({"status", store(), "--json"});
+  EXPECT_TRUE(nlohmann::json::accept(good.out));
+  const Outcome bad = rayfield({"process", store(), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(bad.out)["error"]["code"], 2);
+}
+
+TEST_F(CommandLine, ADryRunChangesNothing) {
+  const std::string path = put("a.ply", cloud(50));
+  const auto before = content_of(store());
+  EXPECT_EQ(rayfield({"add", store(), path, "--date", "2021-05-01", "--dry-run"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"init", folder_.path("other"), "--crs", "EPSG:32632", "--dry-run"}).exit_code, 0);
+  EXPECT_EQ(content_of(store()), before);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("other")));
+}
+
+}  // namespace
+}  // namespace rayfield::test

@@ -1,0 +1,119 @@
+#include "cli/program.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "rayfield/core/sha256.h"
+
+namespace rayfield::test {
+
+namespace fs = std::filesystem;
+
+int Outcome::error_lines() const {
+  int count = 0;
+  std::istringstream lines(err);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("rayfield: ", 0) == 0) ++count;
+  return count;
+}
+
+Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment) {
+  const Folder capture;
+  const std::string out = capture.path("out"), err = capture.path("err");
+  const pid_t child = fork();
+  if (child == 0) {
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(out_file, STDOUT_FILENO);
+    dup2(err_file, STDERR_FILENO);
+    std::vector<std::string> words{RAYFIELD_PROGRAM};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  Outcome run;
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.out = read_file(out);
+  run.err = read_file(err);
+  return run;
+}
+
+Folder::Folder() {
+  std::string pattern = (fs::temp_directory_path() / "rayfield-test-XXXXXX").string();
+  root_ = mkdtemp(pattern.data());
+}
+
+Folder::~Folder() {
+  std::error_code ignored;
+  fs::remove_all(root_, ignored);
+}
+
+std::string Folder::path(const std::string& name) const {
+  return name.empty() ? root_.string() : (root_ / name).string();
+}
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void write_file(const fs::path& path, const std::string& content) { std::ofstream(path, std::ios::binary) << content; }
+
+std::map<std::string, std::string> content_of(const fs::path& folder) {
+  std::map<std::string, std::string> content;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    const bool own = name.rfind("snapshots", 0) == 0 || name == "store.json" || name == "lock";
+    if (entry.is_regular_file() && !own) content[name] = sha256_hex(std::string_view(read_file(entry.path())));
+  }
+  return content;
+}
+
+std::string small_site(const Folder& folder) {
+  const std::string path = folder.path("site.toml");
+  write_file(path, R"([site]
+name = "small"
+latitude_deg = 47.3
+longitude_deg = 8.4
+seed = 5
+[terrain]
+slope_percent = 3
+[rows]
+count = 2
+length_m = 14
+spacing_m = 2.5
+azimuth_deg = 70
+panel_length_m = 3.5
+[canopy]
+leaf_area_m2_per_m = 1.8
+[surroundings]
+trees = 1
+buildings = 0
+fence = false
+[spinning]
+beams = 143
+[[date]]
+date = "2021-05-01"
+leaf_fraction = 0.4
+seed = 1
+[[date]]
+date = "2021-07-01"
+leaf_fraction = 1.0
+seed = 2
+)");
+  return path;
+}
+
+}  // namespace rayfield::test

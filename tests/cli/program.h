@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace rayfield::test {
+
+/// What a run of the command line gave.
+struct Outcome {
+  int exit_code = -1;  ///< 128 + signal when it was killed
+  std::string out, err;
+  /// Number of lines on stderr that begin with "rayfield: ", the form of an error.
+  int error_lines() const;
+};
+
+/// Runs the program under test without a shell; `environment` is added to ours.
+Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {});
+
+/// A fresh folder that is removed at the end.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string path(const std::string& name = {}) const;
+
+ private:
+  std::filesystem::path root_;
+};
+
+std::string read_file(const std::filesystem::path& path);
+void write_file(const std::filesystem::path& path, const std::string& content);
+
+/// SHA-256 of every file below a folder, by relative path. Snapshots, the store's lock and its own description are
+/// left out: they hold times and command lines.
+std::map<std::string, std::string> content_of(const std::filesystem::path& folder);
+
+/// A small block of two short rows at two dates, seconds to simulate; written as SITE.toml into the folder.
+std::string small_site(const Folder& folder);
+
+}  // namespace rayfield::test

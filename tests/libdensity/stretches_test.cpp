@@ -1,0 +1,207 @@
+#include "rayfield/density/stretches.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rayfield/density/layout_arrays.h"
+#include "scene.h"
+
+namespace rayfield::density {
+namespace {
+
+using testing::BlockShape;
+using testing::Scene;
+
+RowLayout two_rows(const BlockShape& block, double spacing_m) {
+  RowLayout layout;
+  for (int i = 0; i < 2; ++i) {
+    Row row;
+    for (int k = 0; k <= 60; ++k) row.centreline.push_back(block.at(k / 60.0, -i * spacing_m));
+    layout.rows.push_back(row);
+  }
+  number_rows(layout);
+  return layout;
+}
+
+// Ground nodes of a height function over the tiles around the block.
+GroundModel exact_ground(const testing::Height& height) {
+  GroundModel model(testing::kTile);
+  for (int ix = 19999; ix <= 20003; ++ix)
+    for (int iy = 244000; iy <= 244004; ++iy) {
+      Grid2<float> nodes(Eigen::Vector2d(ix, iy) * testing::kTile, 0.25, 101, 101);
+      for (int y = 0; y < 101; ++y)
+        for (int x = 0; x < 101; ++x)
+          nodes.at(x, y) = static_cast<float>(height(nodes.origin.x() + 0.25 * x, nodes.origin.y() + 0.25 * y));
+      model.set({ix, iy}, nodes);
+    }
+  return model;
+}
+
+TEST(Stretches, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
+  Scene scene(41);
+  BlockShape block;
+  const RowLayout layout = two_rows(block, 3.0);
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  // Uniform within ±0.4 m across, 0.3…1.8 m up: quantiles 2 and 98 % at ±0.384, 97 % at 1.755.
+  for (int i = 0; i < 200000; ++i) {
+    const Eigen::Vector2d p = block.at(scene.uniform(0, 1), scene.uniform(-0.4, 0.4));
+    scene.add_point({p.x(), p.y(), 100 + scene.uniform(0.3, 1.8)});
+  }
+  StretchOptions options;
+  options.widen_voxels = 0;
+  const CanopyProfile profile = testing::profile_of(scene.tiles(), layout, ground, options);
+  const auto extents = row_extents(layout, profile, options);
+  ASSERT_EQ(extents.size(), 2U);
+  EXPECT_EQ(extents[0].hits, 200000);
+  EXPECT_NEAR(extents[0].across_low_m, -0.384, 0.005);
+  EXPECT_NEAR(extents[0].across_high_m, 0.384, 0.005);
+  EXPECT_NEAR(extents[0].up_high_m, 0.3 + 0.97 * 1.5, 0.005);
+  EXPECT_NEAR(extents[0].across_min_m, -0.48, 1e-9);  // four voxels of 0.12 m
+  EXPECT_NEAR(extents[0].across_max_m, 0.48, 1e-9);
+  EXPECT_NEAR(extents[0].up_max_m, 0.3 + 13 * 0.12, 1e-9);  // 1.455 m above the low face is 12.1 voxels
+  EXPECT_NEAR(extents[0].outside_share, 0, 0.002);
+  options.widen_voxels = 2;
+  EXPECT_NEAR(row_extents(layout, profile, options)[0].across_max_m, 0.72, 1e-9);
+  EXPECT_NEAR(row_extents(layout, profile, options)[0].up_max_m, 0.3 + 15 * 0.12, 1e-9);
+  // The other row was not hit: the least grid, nothing invented.
+  EXPECT_EQ(extents[1].hits, 0);
+  EXPECT_TRUE(std::isnan(extents[1].up_high_m));
+  EXPECT_NEAR(extents[1].across_max_m, 0.24, 1e-9);
+}
+
+TEST(Stretches, NeverReachBeyondHalfTheSpacing) {
+  Scene scene(42);
+  BlockShape block;
+  const RowLayout layout = two_rows(block, 1.5);
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  scene.add_canopy(block, 0, 0, 1, 2000, 0.6);
+  StretchOptions options;
+  const auto extents = row_extents(layout, testing::profile_of(scene.tiles(), layout, ground, options), options);
+  for (const RowExtents& e : extents) {
+    EXPECT_GE(e.across_min_m, -0.75);
+    EXPECT_LE(e.across_max_m, 0.75);
+  }
+}
+
+TEST(Stretches, CoverTheRowWithoutGapsAndFollowItsCurve) {
+  BlockShape block;
+  block.radius_m = 60, block.length_m = 40;
+  const RowLayout layout = two_rows(block, 2.5);
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  const auto list = make_stretches(layout, ground, {}, {});
+  ASSERT_TRUE(list);
+  EXPECT_TRUE(list->warnings.empty());
+  for (const Row& row : layout.rows) {
+    int next = 0, index = 0;
+    for (const Stretch& s : list->stretches) {
+      if (s.row != row.number) continue;
+      EXPECT_EQ(s.first_along, next);
+      EXPECT_EQ(s.index, index++);
+      EXPECT_NEAR(s.chainage_m, next * 0.12, 1e-9);
+      EXPECT_NEAR(s.direction.norm(), 1, 1e-12);
+      next += s.n_along;
+      // The chord's middle lies within l²/8R of the curve, its ends on it.
+      const Eigen::Vector2d middle = s.origin + s.direction * (0.5 * s.n_along * s.voxel_m);
+      double nearest = 1e9;
+      for (int k = 0; k <= 4000; ++k)
+        nearest = std::min(nearest, (block.at(k / 4000.0, -(row.number - 1) * 2.5) - middle).norm());
+      EXPECT_LT(nearest, 3.0 * 3.0 / (8 * 60) + 0.01);
+    }
+    EXPECT_GE(next * 0.12, row.length_m() - 1e-6);
+    EXPECT_LT(next * 0.12, row.length_m() + 0.12);
+  }
+}
+
+TEST(Stretches, ShearAlongThePlaneOfTheGround) {
+  BlockShape block;
+  block.azimuth_deg = 30;
+  // dz/de = 0.06, dz/dn = −0.02; along = (sin 30°, cos 30°), left = (−cos 30°, sin 30°).
+  const GroundModel ground = exact_ground([](double x, double y) { return 50 + 0.06 * (x - 500000) - 0.02 * (y - 6100000); });
+  const auto list = make_stretches(two_rows(block, 2.5), ground, {}, {});
+  ASSERT_TRUE(list);
+  ASSERT_FALSE(list->stretches.empty());
+  for (const Stretch& s : list->stretches) {
+    EXPECT_NEAR(s.slope_along, 0.06 * 0.5 - 0.02 * std::sqrt(0.75), 1e-3);
+    EXPECT_NEAR(s.slope_across, -0.06 * std::sqrt(0.75) - 0.02 * 0.5, 1e-3);
+    EXPECT_NEAR(s.ground_m, 50 + 0.06 * (s.origin.x() - 500000) - 0.02 * (s.origin.y() - 6100000), 1e-3);
+  }
+}
+
+TEST(Stretches, OverUnknownGroundAreLeftOutAndNamed) {
+  GroundModel nothing(testing::kTile);
+  const auto list = make_stretches(two_rows(BlockShape{}, 2.5), nothing, {}, {});
+  ASSERT_TRUE(list);
+  EXPECT_TRUE(list->stretches.empty());
+  ASSERT_EQ(list->warnings.size(), 2U);
+  EXPECT_NE(list->warnings[0].find("ground"), std::string::npos);
+}
+
+TEST(Stretches, DoNotCountHitsBeyondARowsEnd) {
+  Scene scene(43);
+  BlockShape block;
+  const RowLayout layout = two_rows(block, 3.0);
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  scene.add_canopy(block, 0, 0, 1, 100);
+  const int inside = static_cast<int>(100 * block.length_m);
+  scene.add_canopy(block, 0, 1.01, 1.1, 5000);    // 0.3 m and more beyond the end
+  scene.add_canopy(block, 0, -0.1, -0.01, 5000);  // and before the start
+  const CanopyProfile profile = testing::profile_of(scene.tiles(), layout, ground, {});
+  EXPECT_EQ(row_extents(layout, profile, {})[0].hits, inside);
+}
+
+TEST(Stretches, SurviveStorage) {
+  const GroundModel ground = exact_ground([](double x, double) { return 0.02 * (x - 500000); });
+  const auto list = make_stretches(two_rows(BlockShape{}, 2.5), ground, {}, {});
+  ASSERT_TRUE(list);
+  const auto back = stretches_from_arrays(stretches_to_arrays(*list));
+  ASSERT_TRUE(back) << back.error().line();
+  ASSERT_EQ(back->stretches.size(), list->stretches.size());
+  for (std::size_t i = 0; i < list->stretches.size(); ++i) {
+    EXPECT_EQ(back->stretches[i].origin, list->stretches[i].origin);
+    EXPECT_EQ(back->stretches[i].slope_across, list->stretches[i].slope_across);
+    EXPECT_EQ(back->stretches[i].n_up, list->stretches[i].n_up);
+  }
+  EXPECT_EQ(back->extents.size(), 2U);
+  tile::ArraySet wrong = stretches_to_arrays(*list);
+  std::get<std::vector<std::int32_t>>(wrong.columns["n_up"])[0] = 0;
+  EXPECT_EQ(stretches_from_arrays(wrong).error().code, ErrorCode::damaged);
+}
+
+TEST(CanopyMap, KeepsLayersApartAndSurvivesStorage) {
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  Scene scene(44);
+  scene.add_point({500001.05, 6100001.05, 100.3});
+  scene.add_point({500001.05, 6100001.05, 101.2});
+  scene.add_point({500001.05, 6100001.05, 101.3});
+  scene.add_point({500001.05, 6100001.05, 106.0});
+  scene.add_point({500001.05, 6100001.05, 100.05});  // ground: in no layer
+  CanopyAccumulator sum({20000, 244000}, testing::kTile, ground, {});
+  sum.add(scene.tiles().at({20000, 244000}));
+  CanopyMap map(testing::kTile);
+  const auto back = canopy_from_arrays(canopy_to_arrays(sum.finish()));
+  ASSERT_TRUE(back) << back.error().line();
+  map.set({20000, 244000}, *back);
+  const Eigen::Vector2d p(500001.05, 6100001.05);
+  EXPECT_EQ(map.hits(CanopyLayer::stem, p), 1);
+  EXPECT_EQ(map.hits(CanopyLayer::canopy, p), 2);
+  EXPECT_EQ(map.hits(CanopyLayer::tall, p), 1);
+  EXPECT_EQ(map.hits(CanopyLayer::canopy, p + Eigen::Vector2d(0.1, 0)), 0);
+  EXPECT_EQ(map.hits(CanopyLayer::canopy, {400000, 6100000}), 0);
+}
+
+TEST(CanopyProfile, SurvivesStorage) {
+  Scene scene(45);
+  BlockShape block;
+  const RowLayout layout = two_rows(block, 3.0);
+  const GroundModel ground = exact_ground([](double, double) { return 100.0; });
+  scene.add_canopy(block, 0, 0, 1, 50);
+  const CanopyProfile profile = testing::profile_of(scene.tiles(), layout, ground, {});
+  const auto back = profile_from_arrays(profile_to_arrays(profile));
+  ASSERT_TRUE(back) << back.error().line();
+  EXPECT_EQ(back->across, profile.across);
+  EXPECT_EQ(back->up, profile.up);
+}
+
+}  // namespace
+}  // namespace rayfield::density
