@@ -10,7 +10,11 @@ set(RAYFIELD_MAY_USE_formats "core")
 set(RAYFIELD_MAY_USE_sim "core")
 
 set(RAYFIELD_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
-    -Wcast-qual -Wconversion -Wno-sign-conversion -Wdouble-promotion -Wformat=2)
+    -Wcast-qual -Wconversion -Wno-sign-conversion -Wdouble-promotion -Wformat=2
+    -Wno-missing-field-initializers)  # members left out of an initialiser have defaults, on purpose
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND RAYFIELD_WARNINGS -Wno-restrict)  # false alarms on std::string operator+ in GCC 12 (PR 105651)
+endif()
 
 function(rayfield_compile_settings target)
   # Contraction changes results between compilers and targets; see docs/determinism.md.

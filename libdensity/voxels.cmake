@@ -4,9 +4,11 @@ list(APPEND DENSITY_VOXEL_SOURCES
   src/estimator.cpp
   src/integrate.cpp
   src/leaf_angle.cpp
+  src/missing_rays.cpp
   src/plan_raster.cpp
   src/row_density.cpp
   src/row_fill.cpp
+  src/tile_ground.cpp
   src/voxel_arrays.cpp
   src/voxel_grid.cpp
   src/voxel_index.cpp

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <memory>
 
+#include "drive_log.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/core/sha256.h"
 #include "rayfield/formats/formats.h"
@@ -89,25 +90,51 @@ Result<tile::InputEntry> describe_input(const fs::path& path) {
   return entry;
 }
 
-}  // namespace
-
-Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<fs::path>& clouds, bool allow_truncated,
-                                   tile::AddOptions options, Progress& progress) {
-  std::vector<std::unique_ptr<RaySource>> parts;
-  for (const fs::path& path : clouds) {
-    RAYFIELD_ASSIGN(std::unique_ptr<formats::PlyReader> reader,
-                    formats::PlyReader::open(path.string(), {.allow_truncated = allow_truncated}));
-    if (reader->crs() && *reader->crs() != store.config().crs)
-      return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
-                  fmt::format("it is in {}, the store in {}", *reader->crs(), store.config().crs),
-                  "transform it, or make a store in its CRS");
-    parts.push_back(std::move(reader));
+Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
+                                              int threads, Progress& progress) {
+  if (is_log(path)) {
+    if (inputs.rig_file.empty())
+      return fail(ErrorCode::usage, "cannot add log", path.string(), "a log needs a rig file",
+                  "give --rig RIG.toml; `rayfield info` proposes one");
+    RAYFIELD_ASSIGN(RegisteredDrive drive, register_drive(path.string(), inputs.rig_file, crs, threads, progress));
+    if (!drive.report.georeferenced)
+      return fail(ErrorCode::bad_input, "cannot add log", path.string(), drive.report.frame_note,
+                  "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");
+    for (const std::string& warning : drive.log_warnings) progress.warn(warning);
+    return std::move(drive.rays);
   }
-  options.inputs.resize(clouds.size());
-  RAYFIELD_CHECK(parallel_for(clouds.size(), options.threads, [&](std::size_t i, int) -> Result<void> {
-    RAYFIELD_ASSIGN(options.inputs[i], describe_input(clouds[i]));
+  RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
+  if (reader->crs() && *reader->crs() != crs)
+    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
+                fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
+                "transform it, or make a store in its CRS");
+  return std::unique_ptr<RaySource>(std::move(reader));
+}
+
+// The rig decides what a log's rays are, so it is an input too.
+Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads) {
+  std::vector<fs::path> files = inputs.files;
+  if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
+  std::vector<tile::InputEntry> entries(files.size());
+  RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
+    RAYFIELD_ASSIGN(entries[i], describe_input(files[i]));
     return {};
   }));
+  return entries;
+}
+
+}  // namespace
+
+Result<tile::AddReport> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options,
+                                 Progress& progress) {
+  RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads));
+  RAYFIELD_ASSIGN(auto there, store.find_added(options));
+  if (there) return std::move(*there);
+  std::vector<std::unique_ptr<RaySource>> parts;
+  for (const fs::path& path : inputs.files) {
+    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, options.threads, progress));
+    parts.push_back(std::move(part));
+  }
   JoinedSource rays(std::move(parts));
   Result<tile::AddReport> report = store.add(rays, options, progress);
   if (!report && report.error().code == ErrorCode::bad_input)

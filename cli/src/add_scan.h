@@ -10,9 +10,15 @@
 
 namespace rayfield::cli {
 
-/// Adds ray clouds (raycloudtools PLY) to a store as one scan. `options.inputs` is filled here.
-/// `allow_truncated`: take what is there of a cloud that was cut short.
-Result<tile::AddReport> add_clouds(tile::Store& store, const std::vector<std::filesystem::path>& clouds,
-                                   bool allow_truncated, tile::AddOptions options, Progress& progress);
+/// What `rayfield add` is given.
+struct ScanInputs {
+  std::vector<std::filesystem::path> files;  ///< ray clouds (raycloudtools PLY) and logs, in the order of their times
+  std::string rig_file;                      ///< for the logs
+  bool allow_truncated = false;              ///< take what is there of a cloud that was cut short
+};
+
+/// Adds clouds and logs (which are registered first) to a store as one scan. `options.inputs` is filled here.
+Result<tile::AddReport> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options,
+                                 Progress& progress);
 
 }  // namespace rayfield::cli

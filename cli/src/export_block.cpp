@@ -77,6 +77,16 @@ Result<std::vector<fs::path>> export_block(const tile::Store& store, const fs::p
     written.push_back(folder / (block.block + ".gpkg"));
     RAYFIELD_CHECK(formats::write_geopackage(block, written.back().string()));
   }
+  if (options.formats.count("csv") > 0) {
+    written.push_back(folder / (block.block + "_panels.csv"));
+    RAYFIELD_CHECK(formats::write_panels_csv(block, written.back().string()));
+    written.push_back(folder / (block.block + "_row_metres.csv"));
+    RAYFIELD_CHECK(formats::write_row_metres_csv(block, written.back().string()));
+  }
+  for (std::size_t i = 0; i < block.scans.size() && options.formats.count("geojson") > 0; ++i) {
+    written.push_back(folder / fmt::format("{}_{}_panels.geojson", block.block, block.scans[i].scan.scan_id));
+    RAYFIELD_CHECK(formats::write_panels_geojson(block, i, written.back().string()));
+  }
   progress.advance(1);
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "add_scan.h"
+#include "drive_log.h"
 #include "rayfield/core/date.h"
 #include "rayfield/formats/formats.h"
 #include "text.h"
@@ -13,8 +14,8 @@ namespace {
 
 struct AddArguments {
   std::string store, date, name;
-  std::vector<std::string> clouds;
-  bool allow_truncated = false;
+  std::vector<std::string> files;
+  ScanInputs inputs;
 };
 
 // What --dry-run says: how much there is to read and about what the tiles will take.
@@ -22,6 +23,7 @@ Result<Outcome> describe_add(const tile::Store& store, const std::vector<std::fi
   constexpr std::uint64_t kBytesPerRay = 20;  // upper bound for vineyards, docs/store-format.md
   std::uint64_t rays = 0;
   for (const auto& path : clouds) {
+    if (is_log(path)) continue;  // how many rays a log gives is known when it was registered
     RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path.string()));
     rays += reader->ray_count().value_or(0);
   }
@@ -42,10 +44,10 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   options.memory_bytes = context.options.memory_bytes;
   options.command = context.command_line;
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
-  const std::vector<std::filesystem::path> clouds(arguments.clouds.begin(), arguments.clouds.end());
-  if (context.options.dry_run) return describe_add(store, clouds);
-  RAYFIELD_ASSIGN(const tile::AddReport report,
-                  add_clouds(store, clouds, arguments.allow_truncated, options, context.progress));
+  ScanInputs inputs = arguments.inputs;
+  inputs.files.assign(arguments.files.begin(), arguments.files.end());
+  if (context.options.dry_run) return describe_add(store, inputs.files);
+  RAYFIELD_ASSIGN(const tile::AddReport report, add_scan(store, inputs, options, context.progress));
 
   Outcome outcome;
   outcome.data = {
@@ -80,13 +82,14 @@ void add_add_verb(Commands& commands) {
                    [arguments](Context& context) { return run_add(*arguments, context); });
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command
-      ->add_option("CLOUD", arguments->clouds,
-                   "Ray clouds (raycloudtools PLY) of one scan, in the order of their times")
+      ->add_option("LOG|CLOUD", arguments->files,
+                   "Ray clouds (raycloudtools PLY) or logs (ROS 1 bag) of one scan, in the order of their times")
       ->required();
   command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
+  command->add_option("--rig", arguments->inputs.rig_file, "Rig file, for logs (docs/rig.md)");
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
-  command->add_flag("--allow-truncated", arguments->allow_truncated,
+  command->add_flag("--allow-truncated", arguments->inputs.allow_truncated,
                     "Take what is there of a cloud that was cut short");
 }
 

@@ -48,7 +48,7 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
     options.threads = context.options.threads, options.memory_bytes = context.options.memory_bytes;
     options.command =
         fmt::format("rayfield add {} {} --date {}", block.string(), (scan.folder / "rays.ply").string(), scan.date);
-    RAYFIELD_CHECK(add_clouds(store, {scan.folder / "rays.ply"}, false, options, context.progress));
+    RAYFIELD_CHECK(add_scan(store, {.files = {scan.folder / "rays.ply"}}, options, context.progress));
   }
   density::ProcessOptions process;
   process.threads = context.options.threads;

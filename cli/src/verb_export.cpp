@@ -44,9 +44,9 @@ void add_export_verb(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
   command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
-  command->add_option("--format", arguments->formats, "geotiff, gpkg, png (default: all)")
+  command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"geotiff", "gpkg", "png"}));
+      ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));
 }
 
 }  // namespace rayfield::cli

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "drive_log.h"
 #include "rayfield/core/date.h"
 #include "rayfield/formats/formats.h"
 #include "rayfield/tile/tile.h"
@@ -55,19 +56,53 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
   return outcome;
 }
 
+// What a log holds, its problems, and a rig file to start from.
+Result<Outcome> inspect_drive_log(const std::string& path, const Context& context) {
+  formats::LogOptions options;
+  options.progress = &context.progress;
+  context.progress.stage("reading log", 0, "bytes");
+  RAYFIELD_ASSIGN(const formats::LogInfo info, formats::inspect_log(path, options));
+  Outcome outcome;
+  outcome.data = {{"path", path},
+                  {"kind", "log"},
+                  {"start_utc", utc_text(info.first_record_s)},
+                  {"end_utc", utc_text(info.last_record_s)},
+                  {"duration_s", info.duration_s},
+                  {"topics", nlohmann::ordered_json::array()},
+                  {"problems", info.problems()},
+                  {"proposed_rig", formats::propose_rig(info)}};
+  outcome.text = fmt::format("{}: log of {:.1f} s from {}\n", path, info.duration_s, utc_text(info.first_record_s));
+  for (const formats::TopicInfo& topic : info.topics) {
+    outcome.data["topics"].push_back({{"topic", topic.topic},
+                                      {"type", topic.type},
+                                      {"messages", topic.messages},
+                                      {"rate_hz", topic.rate_hz},
+                                      {"longest_gap_s", topic.longest_gap_s},
+                                      {"gaps", topic.gaps},
+                                      {"backwards", topic.backwards},
+                                      {"repeated", topic.repeated}});
+    outcome.text += fmt::format("  {:<28} {:<26} {:>8} messages, {:.1f} Hz, longest gap {:.2f} s\n", topic.topic,
+                                topic.type, topic.messages, topic.rate_hz, topic.longest_gap_s);
+  }
+  for (const std::string& problem : info.problems()) outcome.text += fmt::format("  problem: {}\n", problem);
+  outcome.text += "\nA rig file to start from:\n\n" + formats::propose_rig(info);
+  return outcome;
+}
+
 Result<Outcome> run_info(const std::string& path, const Context& context) {
   if (std::filesystem::is_directory(path)) return store_status(path);
-  return inspect_cloud(path, context);
+  return is_log(path) ? inspect_drive_log(path, context) : inspect_cloud(path, context);
 }
 
 }  // namespace
 
 void add_info_verb(Commands& commands) {
   const auto path = std::make_shared<std::string>();
-  CLI::App* command =
-      commands.add("info", "What is in a ray cloud or a store: counts, times, extents, problems",
-                   "rayfield info scan.ply", [path](Context& context) { return run_info(*path, context); });
-  command->add_option("CLOUD|STORE", *path, "A ray cloud, or the folder of a store")->required();
+  CLI::App* command = commands.add(
+      "info",
+      "What is in a log, a ray cloud or a store: counts, rates, gaps, extents, problems; proposes a rig file for a log",
+      "rayfield info scan.ply", [path](Context& context) { return run_info(*path, context); });
+  command->add_option("LOG|CLOUD|STORE", *path, "A log, a ray cloud, or the folder of a store")->required();
 }
 
 }  // namespace rayfield::cli

@@ -53,11 +53,13 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
                                      {"plant_area_m2", scan.plant_area_m2},
+                                     {"leaf_size_cm2", 1e4 * scan.element_area_m2},
                                      {"files_made", scan.files_made},
                                      {"files_kept", scan.files_kept},
                                      {"notes", scan.notes}});
-    outcome.text += fmt::format("  {}  plant area {:.1f} m²{}\n", scan.scan_id, scan.plant_area_m2,
-                                scan.files_made == 0 ? " (unchanged)" : "");
+    outcome.text +=
+        fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm²{}\n", scan.scan_id, scan.plant_area_m2,
+                    1e4 * scan.element_area_m2, scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }
   if (context.options.verbose > 0)

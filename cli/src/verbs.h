@@ -7,6 +7,7 @@ namespace rayfield::cli {
 /// One function per command of docs/commands.md; each declares its options and its work.
 void add_demo_verb(Commands& commands);
 void add_simulate_verb(Commands& commands);
+void add_slam_verb(Commands& commands);
 void add_init_verb(Commands& commands);
 void add_add_verb(Commands& commands);
 void add_process_verb(Commands& commands);
@@ -23,6 +24,7 @@ Result<Outcome> store_status(const std::string& folder);
 inline void add_all_verbs(Commands& commands) {
   add_demo_verb(commands);
   add_simulate_verb(commands);
+  add_slam_verb(commands);
   add_init_verb(commands);
   add_add_verb(commands);
   add_process_verb(commands);

@@ -1,8 +1,5 @@
 #include "rayfield/formats/rig_file.h"
 
-#define TOML_EXCEPTIONS 0
-#define TOML_HEADER_ONLY 1
-#define TOML_ENABLE_FORMATTERS 0
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -254,12 +251,14 @@ Result<void> validate_rig(const Rig& rig) {
 }
 
 Result<Rig> parse_rig(std::string_view text, const std::string& name) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    return fail(ErrorCode::usage, kWhat, fmt::format("{}, line {}", name, parsed.error().source().begin.line),
-                parsed.error().description(), "see docs/rig.md");
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    return fail(ErrorCode::usage, kWhat, fmt::format("{}, line {}", name, e.source().begin.line), e.description(),
+                "see docs/rig.md");
   }
-  Section file(&parsed.table(), "", name);
+  Section file(&parsed, "", name);
   Section lidar = file.section("lidar"), spinner = file.section("spinner"), imu = file.section("imu");
   Section gps = file.section("gps"), extrinsics = file.section("extrinsics"), time = file.section("time");
   RAYFIELD_CHECK(file.finish());

@@ -25,7 +25,10 @@ struct CanopyProfileAccumulator::Impl {
 
 CanopyProfileAccumulator::CanopyProfileAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
                                                    const GroundModel& ground, const StretchOptions& options)
-    : impl_(new Impl{&layout, &ground, RowLocator(layout, index, tile_size_m, 0, half_width(layout, options)), {},
+    : impl_(new Impl{&layout,
+                     &ground,
+                     RowLocator(layout, index, tile_size_m, 0, half_width(layout, options)),
+                     {},
                      options.max_height_m}) {
   CanopyProfile& profile = impl_->profile;
   profile.bin_m = kBin;
@@ -61,7 +64,8 @@ void CanopyProfileAccumulator::add(const tile::SegmentBatch& segments) {
     const int number = impl_->layout->rows[static_cast<std::size_t>(place->row)].number;
     auto& across = profile.across[number];
     auto& ups = profile.up[number];
-    const std::size_t a = std::min(across.size() - 1, static_cast<std::size_t>((place->across_m + profile.half_width_m) / kBin));
+    const std::size_t a =
+        std::min(across.size() - 1, static_cast<std::size_t>((place->across_m + profile.half_width_m) / kBin));
     const std::size_t u = std::min(ups.size() - 1, static_cast<std::size_t>((up - profile.up_min_m) / kBin));
     ++across[a], ++ups[u];
   }
@@ -72,7 +76,8 @@ void add_profile(CanopyProfile& total, const CanopyProfile& tile) {
     total = tile;
     return;
   }
-  const auto add = [](std::map<int, std::vector<std::int64_t>>& into, const std::map<int, std::vector<std::int64_t>>& more) {
+  const auto add = [](std::map<int, std::vector<std::int64_t>>& into,
+                      const std::map<int, std::vector<std::int64_t>>& more) {
     for (const auto& [row, counts] : more) {
       auto& mine = into[row];
       if (mine.size() < counts.size()) mine.resize(counts.size(), 0);

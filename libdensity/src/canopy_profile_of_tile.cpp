@@ -7,8 +7,9 @@ Result<CanopyProfile> canopy_profile_of_tile(const tile::Store::TileReader& read
                                              double tile_size_m, const RowLayout& layout, const GroundModel& ground,
                                              const StretchOptions& options, int threads) {
   RAYFIELD_CHECK(options.validate());
-  RAYFIELD_ASSIGN(const CanopyProfileAccumulator sum,
-                  accumulate_chunks(reader, CanopyProfileAccumulator(index, tile_size_m, layout, ground, options), threads));
+  RAYFIELD_ASSIGN(
+      const CanopyProfileAccumulator sum,
+      accumulate_chunks(reader, CanopyProfileAccumulator(index, tile_size_m, layout, ground, options), threads));
   return sum.finish();
 }
 

@@ -44,8 +44,8 @@ Grid2<double> rasterise(const LowerHull& hull, const std::vector<Eigen::Vector3d
 
 // Everything that the heights of nodes are computed from, on the lattice of tile and halo.
 struct Surface {
-  Grid2<double> half;            // hull at half-cell spacing: cell (x,y) has its centre at (2x+1, 2y+1), its corner at (2x, 2y)
-  Grid2<CellMode> modes;         // per cell
+  Grid2<double> half;  // hull at half-cell spacing: cell (x,y) has its centre at (2x+1, 2y+1), its corner at (2x, 2y)
+  Grid2<CellMode> modes;  // per cell
   const Grid2<double>* lows = nullptr;
 };
 
@@ -53,8 +53,7 @@ bool near_candidate(const Grid2<double>& lows, int cx, int cy, int reach) {
   for (int ring = 0; ring <= reach; ++ring)
     for (int y = cy - ring - 1; y <= cy + ring; ++y)
       for (int x = cx - ring - 1; x <= cx + ring; ++x)
-        if (lows.contains(x, y) && std::isfinite(lows.at(x, y)) &&
-            std::hypot(x + 0.5 - cx, y + 0.5 - cy) <= reach)
+        if (lows.contains(x, y) && std::isfinite(lows.at(x, y)) && std::hypot(x + 0.5 - cx, y + 0.5 - cy) <= reach)
           return true;
   return false;
 }
@@ -175,7 +174,8 @@ Result<GroundTile> estimate_ground(tile::TileIndex index, std::span<const TileSu
   for (const TileSurvey* survey : surveys)
     if (survey->cells != reference.cells || survey->tile_size_m != reference.tile_size_m ||
         survey->bin_m != reference.bin_m)
-      return fail(ErrorCode::usage, kWhat, "tile", "the surveys have different cell sizes", "survey all tiles with the same options");
+      return fail(ErrorCode::usage, kWhat, "tile", "the surveys have different cell sizes",
+                  "survey all tiles with the same options");
 
   const double cell_m = reference.cell_m();
   const GroundCells cells(index, surveys, static_cast<int>(std::ceil(options.halo_m / cell_m)));

@@ -57,7 +57,8 @@ GroundCells::GroundCells(tile::TileIndex index, std::span<const TileSurvey* cons
   cell_m_ = surveys.front()->cell_m();
   bin_m_ = surveys.front()->bin_m;
   size_ = cells_ + 2 * halo_;
-  corner_ = Eigen::Vector2d(index.ix, index.iy) * surveys.front()->tile_size_m - Eigen::Vector2d::Constant(halo_ * cell_m_);
+  corner_ =
+      Eigen::Vector2d(index.ix, index.iy) * surveys.front()->tile_size_m - Eigen::Vector2d::Constant(halo_ * cell_m_);
 }
 
 std::span<const LowBin> GroundCells::bins(int ix, int iy) const {
@@ -71,8 +72,7 @@ std::span<const LowBin> GroundCells::bins(int ix, int iy) const {
 Grid2<double> supported_lows(const GroundCells& cells, const GroundOptions& options) {
   Grid2<double> lows(cells.corner(), cells.cell_m(), cells.size(), cells.size(), kNaN);
   for (int iy = 0; iy < lows.ny; ++iy)
-    for (int ix = 0; ix < lows.nx; ++ix)
-      lows.at(ix, iy) = supported_low(cells.bins(ix, iy), cells.bin_m(), options);
+    for (int ix = 0; ix < lows.nx; ++ix) lows.at(ix, iy) = supported_low(cells.bins(ix, iy), cells.bin_m(), options);
   Grid2<double> kept = lows;
   for (int iy = 0; iy < lows.ny; ++iy)
     for (int ix = 0; ix < lows.nx; ++ix)
@@ -81,9 +81,9 @@ Grid2<double> supported_lows(const GroundCells& cells, const GroundOptions& opti
 }
 
 CellMode ground_mode(std::span<const LowBin> bins, double bin_m, double hull_m, const GroundOptions& options) {
-  constexpr double kBelow = 0.06;      // m; the hull may lie above the ground by its facets' sag and its noise
-  constexpr double kHalfWindow = 0.04; // m; three standard deviations of a lidar's range noise
-  constexpr double kShare = 0.35;      // of the strongest peak: a lower peak with less is scatter
+  constexpr double kBelow = 0.06;       // m; the hull may lie above the ground by its facets' sag and its noise
+  constexpr double kHalfWindow = 0.04;  // m; three standard deviations of a lidar's range noise
+  constexpr double kShare = 0.35;       // of the strongest peak: a lower peak with less is scatter
   constexpr std::array<double, 5> kKernel{1, 2, 3, 2, 1};
   const std::int32_t first = static_cast<std::int32_t>(std::floor((hull_m - kBelow) / bin_m));
   const int n = static_cast<int>(std::ceil((options.max_rise_m + kBelow) / bin_m)) + 1;

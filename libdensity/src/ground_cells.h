@@ -14,8 +14,8 @@ namespace rayfield::density {
 class GroundCells {
  public:
   GroundCells(tile::TileIndex index, std::span<const TileSurvey* const> surveys, int halo_cells);
-  int size() const { return size_; }          ///< cells per side, halo included
-  int halo() const { return halo_; }          ///< cells
+  int size() const { return size_; }  ///< cells per side, halo included
+  int halo() const { return halo_; }  ///< cells
   double cell_m() const { return cell_m_; }
   std::span<const LowBin> bins(int ix, int iy) const;  ///< empty where no tile was given
   double bin_m() const { return bin_m_; }

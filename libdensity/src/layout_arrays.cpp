@@ -41,7 +41,8 @@ void put_posts(const RowLayout& layout, tile::ArraySet& out) {
   Flags detected;
   Numbers chainage, across, east, north, height, radius, lean_east, lean_north;
   for (const Post& p : layout.posts) {
-    row.push_back(p.row), detected.push_back(p.detected), chainage.push_back(p.chainage_m), across.push_back(p.across_m);
+    row.push_back(p.row), detected.push_back(p.detected), chainage.push_back(p.chainage_m),
+        across.push_back(p.across_m);
     east.push_back(p.position.x()), north.push_back(p.position.y()), height.push_back(p.height_m);
     radius.push_back(p.radius_m), lean_east.push_back(p.lean.x()), lean_north.push_back(p.lean.y());
   }
@@ -57,7 +58,8 @@ void put_trunks(const RowLayout& layout, tile::ArraySet& out) {
   Numbers chainage, across, east, north, radius, top;
   for (const Trunk& t : layout.trunks) {
     row.push_back(t.row), chainage.push_back(t.chainage_m), across.push_back(t.across_m);
-    east.push_back(t.position.x()), north.push_back(t.position.y()), radius.push_back(t.radius_m), top.push_back(t.top_m);
+    east.push_back(t.position.x()), north.push_back(t.position.y()), radius.push_back(t.radius_m),
+        top.push_back(t.top_m);
   }
   out.columns["trunk_row"] = std::move(row);
   out.columns["trunk_chainage_m"] = std::move(chainage), out.columns["trunk_across_m"] = std::move(across);

@@ -93,7 +93,8 @@ std::vector<double> smooth_values(std::span<const double> values, std::span<cons
     for (int i = 0; i + 3 < n; ++i)
       for (int a = 0; a < 4; ++a)
         for (int b = 0; b < 4; ++b)
-          entries.emplace_back(i + a, i + b, stiffness * kThird[static_cast<std::size_t>(a)] * kThird[static_cast<std::size_t>(b)]);
+          entries.emplace_back(i + a, i + b,
+                               stiffness * kThird[static_cast<std::size_t>(a)] * kThird[static_cast<std::size_t>(b)]);
     Eigen::SparseMatrix<double> normal(n, n);
     normal.setFromTriplets(entries.begin(), entries.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);

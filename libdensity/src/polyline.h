@@ -18,8 +18,8 @@ LinePoint point_at(std::span<const Eigen::Vector2d> line, double chainage_m);
 /// Foot of a point on a line.
 struct Foot {
   double chainage_m = 0;
-  double across_m = 0;   ///< positive to the left of the line's direction
-  bool inside = false;   ///< false: the point lies before the first or after the last vertex
+  double across_m = 0;  ///< positive to the left of the line's direction
+  bool inside = false;  ///< false: the point lies before the first or after the last vertex
 };
 /// Nearest foot; the first and last segments are prolonged without end. `line` has at least two vertices.
 Foot project(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p);
@@ -31,7 +31,8 @@ std::vector<Eigen::Vector2d> resampled(std::span<const Eigen::Vector2d> line, do
 std::vector<Eigen::Vector2d> sub_line(std::span<const Eigen::Vector2d> line, double start_m, double end_m);
 
 /// Smooth values through noisy ones at equal spacing: minimises Σ w (x−y)² + stiffness·Σ (third difference)²,
-/// re-weighted (Tukey, `scale`) so that single bad values do not pull. Weights may be zero. `scale` ≤ 0: no re-weighting.
+/// re-weighted (Tukey, `scale`) so that single bad values do not pull. Weights may be zero. `scale` ≤ 0: no
+/// re-weighting.
 std::vector<double> smooth_values(std::span<const double> values, std::span<const double> weights, double stiffness,
                                   double scale);
 

@@ -8,10 +8,10 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kSureShare = 0.7, kMaybeShare = 0.4;      // of PlacedStem::stem.upper_share
-constexpr double kSureSolid = 10, kMaybeSolid = 3;         // log-likelihood ratio
-constexpr double kTolerance = 0.06;                        // of a multiple of the spacing
-constexpr double kReach = 0.35;                            // m; least distance at which a post is looked for
+constexpr double kSureShare = 0.7, kMaybeShare = 0.4;  // of PlacedStem::stem.upper_share
+constexpr double kSureSolid = 10, kMaybeSolid = 3;     // log-likelihood ratio
+constexpr double kTolerance = 0.06;                    // of a multiple of the spacing
+constexpr double kReach = 0.35;                        // m; least distance at which a post is looked for
 
 double evidence(const Stem& stem) { return stem.upper_share / kSureShare + std::max(0.0, stem.solidity) / kSureSolid; }
 
@@ -101,9 +101,8 @@ void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::
   for (std::size_t i : sure) {
     const double at = stems[i].chainage_m;
     if (std::min(std::abs(at), std::abs(at - row_length_m)) > kEnd || fitness(stems[i], 0, usual) < 0) continue;
-    const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(), [&](std::size_t k) {
-      return std::abs(stems[k].chainage_m - at) < apart;
-    });
+    const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(),
+                                   [&](std::size_t k) { return std::abs(stems[k].chainage_m - at) < apart; });
     if (taken) continue;
     choice.posts.push_back(i);
     std::erase_if(choice.inferred_m, [&](double m) { return std::abs(m - at) < apart; });
@@ -119,8 +118,8 @@ std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
   return sure;
 }
 
-UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems, const std::vector<std::vector<std::size_t>>& sure,
-                     double min_m, double max_m) {
+UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
+                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
   std::vector<double> gaps;
   for (std::size_t r = 0; r < stems.size(); ++r)
     for (std::size_t i = 1; i < sure[r].size(); ++i) {
@@ -153,7 +152,8 @@ PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<
                         const UsualStems& usual, double row_length_m) {
   constexpr double kOverhang = 0.5;  // m; how far beyond the canopy a post may be wanted
   PostChoice choice;
-  const std::optional<std::size_t> anchor = std::isfinite(usual.spacing_m) ? find_anchor(stems, sure, usual) : std::nullopt;
+  const std::optional<std::size_t> anchor =
+      std::isfinite(usual.spacing_m) ? find_anchor(stems, sure, usual) : std::nullopt;
   if (!anchor) {
     choice.posts = irregular(stems, sure, usual);
     return choice;

@@ -21,15 +21,15 @@ struct UsualSpacing {
   double spacing_m = 0;
   bool regular = false;  ///< at least four gaps, and more than half of all, agree
 };
-UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems, const std::vector<std::vector<std::size_t>>& sure,
-                     double min_m, double max_m);
+UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
+                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m);
 
 /// What posts and trunks of a block usually are like.
 struct UsualStems {
-  double spacing_m = 0;       ///< of posts; NaN if unknown
-  bool regular = false;       ///< see UsualSpacing
+  double spacing_m = 0;  ///< of posts; NaN if unknown
+  bool regular = false;  ///< see UsualSpacing
   double post_radius_m = 0.05, trunk_radius_m = 0.025;
-  double trunk_spacing_m = 0;      ///< of vines; NaN if unknown
+  double trunk_spacing_m = 0;  ///< of vines; NaN if unknown
 };
 
 struct PostChoice {
@@ -37,9 +37,10 @@ struct PostChoice {
   std::vector<double> inferred_m;  ///< chainages where the regular spacing wants a post that was not seen
 };
 
-/// Where at least half of a row's sure posts stand at the usual spacing, or the whole block is regular: walks along it from the surest, takes the best
-/// candidate near each place, infers a post where there is none, and leaves out what stands in between. Elsewhere the
-/// sure posts, less those that stand too close to better ones. A sure post at the row's end is always kept.
+/// Where at least half of a row's sure posts stand at the usual spacing, or the whole block is regular: walks along it
+/// from the surest, takes the best candidate near each place, infers a post where there is none, and leaves out what
+/// stands in between. Elsewhere the sure posts, less those that stand too close to better ones. A sure post at the
+/// row's end is always kept.
 PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
                         const UsualStems& usual, double row_length_m);
 

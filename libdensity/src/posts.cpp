@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <limits>
+#include <tuple>
 
 #include "polyline.h"
 #include "post_lattice.h"
@@ -128,7 +128,8 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
   layout.posts.insert(layout.posts.end(), posts.begin(), posts.end());
   for (const PlacedStem& s : stems.trunks) {
     const Foot foot = project(row.centreline, s.stem.position);
-    layout.trunks.push_back({row.number, foot.chainage_m, foot.across_m, s.stem.position, s.stem.radius_m, s.stem.top_m});
+    layout.trunks.push_back(
+        {row.number, foot.chainage_m, foot.across_m, s.stem.position, s.stem.radius_m, s.stem.top_m});
   }
   report.trunks += static_cast<int>(stems.trunks.size());
 }
@@ -202,7 +203,8 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
       if (post) heights.push_back(placed[r][i].stem.top_m), radii.push_back(placed[r][i].stem.radius_m);
     }
     row.inferred = choices[r].inferred_m;
-    if (choices[r].posts.empty()) report.warnings.push_back(fmt::format("row {}: no posts seen", layout.rows[r].number));
+    if (choices[r].posts.empty())
+      report.warnings.push_back(fmt::format("row {}: no posts seen", layout.rows[r].number));
     sorted.push_back(std::move(row));
   }
   const double usual_height = median(heights, 1.8), usual_radius = median(radii, 0.05);
@@ -225,7 +227,8 @@ void make_panels(RowLayout& layout, std::optional<double> panel_length_m) {
       for (int i = 1; i < n; ++i) borders.push_back(i * *panel_length_m);
     } else {
       for (const Post& post : layout.posts)
-        if (post.row == row.number && post.chainage_m > borders.back() + kShortest && post.chainage_m < length - kShortest)
+        if (post.row == row.number && post.chainage_m > borders.back() + kShortest &&
+            post.chainage_m < length - kShortest)
           borders.push_back(post.chainage_m);
     }
     borders.push_back(length);

@@ -1,6 +1,6 @@
 #include "rayfield/density/process.h"
 
-#include <fmt/core.h>
+#include <cmath>
 
 #include "layout_store.h"
 #include "rayfield/core/parallel.h"
@@ -26,7 +26,10 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   ScanReport report;
   report.scan_id = scan.scan_id;
   report.rays = scan.ray_count;
-  RAYFIELD_ASSIGN(report.plant_area_m2, integrate_scan(work, block.layout, surveyed, stretches, wood, tiles));
+  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, stretches, wood, tiles));
+  for (const PanelValue& value : results.panel_values)
+    if (std::isfinite(value.plant_area_m2)) report.plant_area_m2 += value.plant_area_m2;
+  report.element_area_m2 = results.element_area_m2;
   RAYFIELD_CHECK(files.finish());
   report.files_made = files.total().made, report.files_kept = files.total().kept;
   return report;

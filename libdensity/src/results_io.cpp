@@ -97,7 +97,7 @@ tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& la
     values.insert(values.end(), section.grid.values.begin(), section.grid.values.end());
   }
   arrays.columns["section_values"] = std::move(values);
-  arrays.attributes = json{{"sections", sections}}.dump();
+  arrays.attributes = json{{"sections", sections}, {"element_area_m2", results.element_area_m2}}.dump();
   return arrays;
 }
 
@@ -143,7 +143,9 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
   RAYFIELD_ASSIGN(const auto values, arrays.column<float>("section_values"));
   std::size_t begin = 0;
   try {
-    for (const json& section : json::parse(arrays.attributes).at("sections")) {
+    const json attributes = json::parse(arrays.attributes);
+    results.element_area_m2 = attributes.at("element_area_m2").get<double>();
+    for (const json& section : attributes.at("sections")) {
       SectionProduct product{section.at("name").get<std::string>(),
                              section.at("unit").get<std::string>(),
                              section.at("row").get<int>(),

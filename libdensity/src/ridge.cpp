@@ -8,14 +8,14 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kStep = 0.5;    // m, between vertices of a trace
-constexpr double kPatch = 0.1;   // m, between samples of the map
+constexpr double kStep = 0.5;   // m, between vertices of a trace
+constexpr double kPatch = 0.1;  // m, between samples of the map
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& u) { return {-u.y(), u.x()}; }
 
 // Mean canopy over a rectangle centred at p, half sizes along u and across.
-double patch_mean(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along, double across,
-                  double shift = 0) {
+double patch_mean(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along,
+                  double across, double shift = 0) {
   const Eigen::Vector2d n = left_of(u);
   const int na = static_cast<int>(std::lround(along / kPatch)), nc = static_cast<int>(std::lround(across / kPatch));
   double sum = 0;
@@ -73,22 +73,24 @@ void follow(std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& start_dir
   line.resize(last_seen);
 }
 
-// Moves every vertex to the canopy's centre, smoothly.
+// Moves every vertex to the canopy's centre and smooths the line across its chord. Where there is no canopy the line
+// bridges the gap with constant change of curvature, whatever the trace did there.
 std::vector<Eigen::Vector2d> centred(const std::vector<Eigen::Vector2d>& line, const CanopyMap& canopy,
                                      const RowOptions& options) {
-  std::vector<double> offsets, weights;
-  std::vector<Eigen::Vector2d> normals;
+  const Eigen::Vector2d normal = left_of((line.back() - line.front()).normalized());
+  std::vector<double> across, weights;
+  std::vector<Eigen::Vector2d> out;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const std::size_t a = i >= 4 ? i - 4 : 0, b = std::min(i + 4, line.size() - 1);
     const Eigen::Vector2d u = (line[b] - line[a]).normalized();
-    normals.push_back(left_of(u));
-    offsets.push_back(centroid_offset(canopy, line[i], u, 0.5, options.half_width_m + 0.2));
+    const double shift = centroid_offset(canopy, line[i], u, 0.5, options.half_width_m + 0.2);
+    out.push_back(line[i] + left_of(u) * shift);
+    across.push_back((out.back() - line.front()).dot(normal));
     weights.push_back(patch_mean(canopy, line[i], u, 0.2, options.half_width_m));
   }
   const double stiffness = std::pow(options.smoothing_m / (2 * M_PI * kStep), 6) * 0.3;
-  const std::vector<double> smooth = smooth_values(offsets, weights, stiffness, 0.3);
-  std::vector<Eigen::Vector2d> out;
-  for (std::size_t i = 0; i < line.size(); ++i) out.push_back(line[i] + normals[i] * smooth[i]);
+  const std::vector<double> smooth = smooth_values(across, weights, stiffness, 0.3);
+  for (std::size_t i = 0; i < line.size(); ++i) out[i] += normal * (smooth[i] - across[i]);
   return out;
 }
 
@@ -155,7 +157,8 @@ std::vector<RidgeSeed> find_seeds(const Drive& drive, const CanopyMap& canopy, c
       const double highest = *std::max_element(profile.begin() + static_cast<std::ptrdiff_t>(first), profile.end());
       if (highest < 0.02) continue;
       // The nearest principal peak: higher than all within 0.4 m, and than 0.4 of the highest.
-      for (std::size_t b = first; static_cast<double>(b) * kBin <= options.max_offset_m + 1e-9 && b < profile.size(); ++b) {
+      for (std::size_t b = first; static_cast<double>(b) * kBin <= options.max_offset_m + 1e-9 && b < profile.size();
+           ++b) {
         const std::size_t lo = b >= 4 ? b - 4 : 0, hi = std::min(b + 4, profile.size() - 1);
         if (profile[b] < 0.4 * highest ||
             profile[b] < *std::max_element(profile.begin() + static_cast<std::ptrdiff_t>(lo),

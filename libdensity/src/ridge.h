@@ -14,18 +14,18 @@ namespace rayfield::density {
 struct RidgeSeed {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< of the drive
-  double offset_m = 0;    ///< from the drive, left positive
-  double strength = 0;    ///< 0…1
+  double offset_m = 0;                                   ///< from the drive, left positive
+  double strength = 0;                                   ///< 0…1
 };
 
 /// A traced line of canopy.
 struct Ridge {
   std::vector<Eigen::Vector2d> line;  ///< vertices 0.5 m apart, smoothed
-  double offset_m = 0;      ///< distance of the drive that it was seeded from
-  double strength = 0;      ///< mean canopy in the core, 0…1
-  double cover = 0;         ///< share of vertices with canopy
-  double tall_share = 0;    ///< share of vertices under something tall
-  double lane_share = 0;    ///< canopy in the denser of the two lanes beside, relative to the core
+  double offset_m = 0;                ///< distance of the drive that it was seeded from
+  double strength = 0;                ///< mean canopy in the core, 0…1
+  double cover = 0;                   ///< share of vertices with canopy
+  double tall_share = 0;              ///< share of vertices under something tall
+  double lane_share = 0;              ///< canopy in the denser of the two lanes beside, relative to the core
 };
 
 /// Canopy at a point, 0 (none) … 1 (eight or more hits in the cell).

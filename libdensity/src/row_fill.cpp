@@ -13,6 +13,8 @@ constexpr int kLayers = 2;   // donors at most so many layers higher or lower
 constexpr double kMinDonors = 4;
 constexpr double kMinPooled = 12;                // voxel sides of potential path in a pool
 constexpr int kFirstReach = 4, kLastReach = 64;  // columns along the row
+constexpr int kNearReach = 3;                    // voxels; nearest seen voxels are looked for so far away
+constexpr double kMinNear = 9;
 constexpr int kMaxBorrow = 6;
 
 /// Over voxels that speak for themselves: number, density and its square. Over the others: their rays, in voxel sides.
@@ -109,18 +111,24 @@ class Donors {
   std::vector<Sum> sums_;
 };
 
-bool mostly_empty_around(const RowDensity& r, int a, int c, int u) {
-  int seen = 0, empty = 0;
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k) {
+/// Seen voxels within a cube: how many, how many of them empty, and their densities.
+struct Around {
+  double seen = 0, empty = 0, density = 0, square = 0;
+};
+
+Around around(const RowDensity& r, int a, int c, int u, int reach) {
+  Around out;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -reach; k <= reach; ++k) {
         if (!inside(r, a + i, c + j, u + k)) continue;
         const std::size_t voxel = r.index(a + i, c + j, u + k);
         if (!r.seen(voxel)) continue;
-        ++seen;
-        if (r.density[voxel] == 0) ++empty;
+        const auto density = static_cast<double>(r.density[voxel]);
+        out.seen += 1, out.empty += density == 0 ? 1 : 0;
+        out.density += density, out.square += density * density;
       }
-  return seen > 0 && 2 * empty > seen;
+  return out;
 }
 
 void set(RowDensity& r, std::size_t voxel, double density, double variance) {
@@ -152,17 +160,23 @@ bool take_mean(RowDensity& r, const Donors& donors, int a, int u, int depth, std
   return false;
 }
 
+/// Inside dense canopy (few of the seen neighbours are empty) what others as badly seen at that depth say; elsewhere,
+/// thin or outside the canopy, the mean of the nearest seen voxels, the empty ones with them; at last the mean at the
+/// depth, or at the deepest that was seen.
 void fill_voxel(RowDensity& r, const Donors& donors, int a, int c, int u, int depth) {
   const std::size_t voxel = r.index(a, c, u);
-  if (mostly_empty_around(r, a, c, u)) {
-    r.state[voxel] = VoxelState::filled;
-    return;
+  const Around next = around(r, a, c, u, 1);
+  bool done = 4 * next.empty <= next.seen && take_pool(r, donors, a, u, depth, voxel);
+  for (int reach = 1; !done && reach <= kNearReach; ++reach) {
+    const Around near = reach == 1 ? next : around(r, a, c, u, reach);
+    if (near.seen < kMinNear) continue;
+    const double mean = near.density / near.seen;
+    set(r, voxel, mean, std::max(0.0, near.square / near.seen - mean * mean));
+    done = true;
   }
-  for (int d = depth; d >= 1; --d) {  // where no voxel as deep was seen, the deepest that was
-    if (!take_pool(r, donors, a, u, d, voxel) && !take_mean(r, donors, a, u, d, voxel)) continue;
-    r.state[voxel] = VoxelState::filled;
-    return;
-  }
+  for (int d = depth; !done && d >= 1; --d)
+    done = take_pool(r, donors, a, u, d, voxel) || take_mean(r, donors, a, u, d, voxel);
+  if (done) r.state[voxel] = VoxelState::filled;
 }
 
 }  // namespace

@@ -10,10 +10,9 @@ namespace rayfield::density {
 /// they have two rays, unobserved otherwise). All such voxels at the same depth inside the canopy, near along the row
 /// and in height, are taken together as one: λ̂ = m/S − H/S² over their pooled rays. They are the inside of dense
 /// canopy, and their own rays, few as they are, say so; the better seen voxels beside them are emptier. Where there are
-/// too few such rays, unobserved voxels get the mean of observed ones at that depth. Depth = voxels (chessboard) in the
-/// cross-section to the nearest voxel that was seen and is empty, or to the outside. A voxel without rays whose seen
-/// neighbours are mostly empty becomes empty. Cross-sections of which less than half was seen are not filled: nothing
-/// is invented where nobody looked.
+/// too few such rays, and where the canopy is thin, unobserved voxels get the mean of the nearest seen ones. Depth =
+/// voxels (chessboard) in the cross-section to the nearest voxel that was seen and is empty, or to the outside.
+/// Cross-sections of which less than half was seen are not filled: nothing is invented where nobody looked.
 void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters);
 
 /// Density of every voxel by the published method: (n−1)/n·m/S over the voxel and, while n < min_rays, its neighbours

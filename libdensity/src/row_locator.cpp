@@ -21,7 +21,8 @@ RowLocator::RowLocator(const RowLayout& layout, tile::TileIndex index, double ti
                        double half_width_m)
     : layout_(&layout), half_width_m_(half_width_m) {
   const int n = static_cast<int>(std::ceil((tile_size_m + 2 * margin_m) / kCell)) + 1;
-  const Eigen::Vector2d corner = Eigen::Vector2d(index.ix, index.iy) * tile_size_m - Eigen::Vector2d::Constant(margin_m);
+  const Eigen::Vector2d corner =
+      Eigen::Vector2d(index.ix, index.iy) * tile_size_m - Eigen::Vector2d::Constant(margin_m);
   cells_ = Grid2<Nearest>(corner, kCell, n, n);
   const Eigen::Vector2d far_corner = corner + Eigen::Vector2d::Constant(n * kCell);
   const double reach = half_width_m + kProlong + kCell;
@@ -57,7 +58,8 @@ void RowLocator::enter(int row, int segment, double reach_m) {
     for (int x = x0; x <= x1; ++x) {
       const float distance = static_cast<float>(distance_to_segment(cells_.center(x, y), a, b));
       Nearest& cell = cells_.at(x, y);
-      if (static_cast<double>(distance) <= reach_m && (cell.row < 0 || distance < cell.distance)) cell = {row, segment, distance};
+      if (static_cast<double>(distance) <= reach_m && (cell.row < 0 || distance < cell.distance))
+        cell = {row, segment, distance};
     }
 }
 
@@ -79,12 +81,14 @@ std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, do
     const Eigen::Vector2d u = d / length, r = p - a;
     const double along = u.dot(r);
     // The outermost segments go on without end here, so that what lies past a row's end is not put beside it.
-    const double t = std::clamp(along, s == 0 ? std::min(along, 0.0) : 0.0, s == last ? std::max(along, length) : length);
+    const double t =
+        std::clamp(along, s == 0 ? std::min(along, 0.0) : 0.0, s == last ? std::max(along, length) : length);
     const double distance = (r - t * u).norm();
     if (distance > best_distance) continue;
     best_distance = distance;
     outside = (s == 0 && along < -beyond_m) || (s == last && along > length + beyond_m);
-    best = Place{near.row, chainages_[row][static_cast<std::size_t>(s)] + t, std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
+    best = Place{near.row, chainages_[row][static_cast<std::size_t>(s)] + t,
+                 std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
   }
   if (outside) return std::nullopt;
   return best;

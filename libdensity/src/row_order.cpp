@@ -9,9 +9,9 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kNearlyEast = 15 * M_PI / 180;   // rows closer to east-west than this point east
+constexpr double kNearlyEast = 15 * M_PI / 180;  // rows closer to east-west than this point east
 constexpr double kSameDirection = 15 * M_PI / 180;
-constexpr double kWidestLane = 8;                 // m between neighbouring rows of one block
+constexpr double kWidestLane = 8;  // m between neighbouring rows of one block
 
 Eigen::Vector2d chord(const Row& row) { return (row.centreline.back() - row.centreline.front()).normalized(); }
 Eigen::Vector2d middle(const Row& row) { return point_at(row.centreline, 0.5 * row.length_m()).position; }

@@ -17,7 +17,8 @@ double angle_between_lines(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 }
 
 // Share of a line's vertices that lie beside another line, closer than `distance_m`.
-double share_beside(const std::vector<Eigen::Vector2d>& line, const std::vector<Eigen::Vector2d>& other, double distance_m) {
+double share_beside(const std::vector<Eigen::Vector2d>& line, const std::vector<Eigen::Vector2d>& other,
+                    double distance_m) {
   std::size_t near = 0;
   for (const auto& p : line) {
     const Foot foot = project(other, p);
@@ -49,7 +50,8 @@ std::pair<double, double> driven_shares(const std::vector<Eigen::Vector2d>& line
       if (!foot.inside || std::abs(foot.across_m) > options.max_offset_m + 0.5) continue;
       const Eigen::Vector2d u = drive.line[std::min(i + 1, drive.line.size() - 1)] - drive.line[i > 0 ? i - 1 : 0];
       if (angle_between_lines(u, point_at(line, foot.chainage_m).direction) > M_PI / 6) continue;
-      const std::size_t bin = std::min(bins - 1, static_cast<std::size_t>(foot.chainage_m / length * static_cast<double>(bins)));
+      const std::size_t bin =
+          std::min(bins - 1, static_cast<std::size_t>(foot.chainage_m / length * static_cast<double>(bins)));
       (foot.across_m > 0 ? left : right)[bin] = true;
     }
   const auto share = [bins](const std::vector<bool>& seen) {
@@ -73,7 +75,8 @@ std::vector<Ridge> trace_all(const std::vector<Drive>& drives, const CanopyMap& 
     seeds.insert(seeds.end(), more.begin(), more.end());
   }
   std::sort(seeds.begin(), seeds.end(), [](const RidgeSeed& a, const RidgeSeed& b) {
-    return std::make_tuple(-a.strength, a.position.x(), a.position.y()) < std::make_tuple(-b.strength, b.position.x(), b.position.y());
+    return std::make_tuple(-a.strength, a.position.x(), a.position.y()) <
+           std::make_tuple(-b.strength, b.position.x(), b.position.y());
   });
   std::vector<Ridge> ridges;
   for (const RidgeSeed& seed : seeds) {
@@ -92,7 +95,8 @@ std::vector<Ridge> trace_all(const std::vector<Drive>& drives, const CanopyMap& 
 std::string refuse(const Ridge& ridge, double driven, double usual_strength, const RowOptions& options) {
   if (ridge.tall_share > options.max_tall_share)
     return fmt::format("taller than vines along {:.0f} % of its length", 100 * ridge.tall_share);
-  if (ridge.cover < options.min_cover) return fmt::format("canopy along only {:.0f} % of its length", 100 * ridge.cover);
+  if (ridge.cover < options.min_cover)
+    return fmt::format("canopy along only {:.0f} % of its length", 100 * ridge.cover);
   if (ridge.lane_share > options.max_lane_share)
     return fmt::format("as much canopy beside it as in it ({:.0f} %)", 100 * ridge.lane_share);
   if (driven < 0.5) return fmt::format("driven along for only {:.0f} % of its length", 100 * driven);
@@ -107,7 +111,8 @@ Result<void> RowOptions::validate() const {
   RAYFIELD_CHECK(drives.validate());
   const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
     if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, "cannot find the rows", name, "value out of range", "see rayfield/density/rows.h for the ranges");
+    return fail(ErrorCode::usage, "cannot find the rows", name, "value out of range",
+                "see rayfield/density/rows.h for the ranges");
   };
   RAYFIELD_CHECK(check("min_offset_m", min_offset_m, 0.2, 2));
   RAYFIELD_CHECK(check("max_offset_m", max_offset_m, 1, 6));

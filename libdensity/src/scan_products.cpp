@@ -167,6 +167,7 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
       RAYFIELD_CHECK(builder.add(*voxels));
     }
     const RowDensity density = std::move(builder).finish();
+    maps.results.element_area_m2 = density.leaf_area_m2;
     RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
     plan.add(density);
     work.progress.advance(1);
@@ -179,9 +180,9 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
 
 }  // namespace
 
-Result<double> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                              const StretchList& list, std::span<const WoodCylinder> wood,
-                              std::span<const tile::TileIndex> tiles) {
+Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
+                                   const StretchList& list, std::span<const WoodCylinder> wood,
+                                   std::span<const tile::TileIndex> tiles) {
   KeyBuilder builder("results", kResultsVersion);
   add_options(builder, work.options.estimator);
   add_options(builder, work.options.integration);
@@ -210,11 +211,7 @@ Result<double> integrate_scan(ScanWork& work, const RowLayout& layout, const Sur
       return fail(ErrorCode::internal, "cannot make raster", name, "no such raster", "please report this");
     }));
   }
-  RAYFIELD_ASSIGN(const ScanResults results, results_from_arrays(arrays, layout, work.store.config().crs, {}));
-  double total = 0;
-  for (const PanelValue& value : results.panel_values)
-    if (std::isfinite(value.plant_area_m2)) total += value.plant_area_m2;
-  return total;
+  return results_from_arrays(arrays, layout, work.store.config().crs, {});
 }
 
 }  // namespace rayfield::density

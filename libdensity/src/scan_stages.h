@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "derive.h"
+#include "rayfield/core/products.h"
 #include "rayfield/density/process.h"
 #include "rayfield/density/stretches.h"
 
@@ -48,9 +49,8 @@ Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const
 Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
                                                   std::span<const WoodCylinder> wood);
 
-/// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster"). Returns the plant area
-/// of all panels, m².
-Result<double> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
+/// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster").
+Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
                               const StretchList& stretches, std::span<const WoodCylinder> wood,
                               std::span<const tile::TileIndex> tiles);
 

@@ -9,8 +9,8 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kMargin = 0.25;   // m; the reach of tile files beyond the tile
-constexpr double kBeyond = 0.8;    // m; posts stand a little outside of the traced canopy
+constexpr double kMargin = 0.25;  // m; the reach of tile files beyond the tile
+constexpr double kBeyond = 0.8;   // m; posts stand a little outside of the traced canopy
 
 }  // namespace
 
@@ -27,8 +27,14 @@ struct StemAccumulator::Impl {
 
 StemAccumulator::StemAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
                                  const GroundModel& ground, const PostOptions& options)
-    : impl_(new Impl{index, tile_size_m, &layout, &ground, options,
-                     RowLocator(layout, index, tile_size_m, kMargin, options.half_width_m), {}, {}}) {
+    : impl_(new Impl{index,
+                     tile_size_m,
+                     &layout,
+                     &ground,
+                     options,
+                     RowLocator(layout, index, tile_size_m, kMargin, options.half_width_m),
+                     {},
+                     {}}) {
   impl_->grid_of_row.assign(layout.rows.size(), -1);
   for (const auto& reach : impl_->locator.reaches()) {
     StemGrid grid;
@@ -39,7 +45,8 @@ StemAccumulator::StemAccumulator(tile::TileIndex index, double tile_size_m, cons
     grid.n_across = static_cast<int>(std::lround(2 * options.half_width_m / options.cell_m));
     grid.n_slabs = static_cast<int>(std::lround(options.top_m / options.slab_m));
     grid.counts.assign(static_cast<std::size_t>(grid.n_along) * static_cast<std::size_t>(grid.n_across) *
-                           static_cast<std::size_t>(grid.n_slabs), 0);
+                           static_cast<std::size_t>(grid.n_slabs),
+                       0);
     impl_->grid_of_row[static_cast<std::size_t>(reach.row)] = static_cast<int>(impl_->grids.size());
     impl_->grids.push_back(std::move(grid));
   }
@@ -64,7 +71,8 @@ void StemAccumulator::add(const tile::SegmentBatch& segments) {
     const int c = static_cast<int>(std::floor((place->across_m + grid.half_width_m) / grid.cell_m));
     if (slab < 0 || slab >= grid.n_slabs || a < 0 || a >= grid.n_along || c < 0 || c >= grid.n_across) continue;
     std::uint8_t& cell = grid.counts[(static_cast<std::size_t>(a) * static_cast<std::size_t>(grid.n_across) +
-                                      static_cast<std::size_t>(c)) * static_cast<std::size_t>(grid.n_slabs) +
+                                      static_cast<std::size_t>(c)) *
+                                         static_cast<std::size_t>(grid.n_slabs) +
                                      static_cast<std::size_t>(slab)];
     if (cell < 255) ++cell;
   }

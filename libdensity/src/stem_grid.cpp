@@ -22,7 +22,7 @@ struct Seed {
 
 // Hits in a slab on a disc and on the collar around it, as densities per m².
 struct Contrast {
-  double on = 0, around = 0;      // hits
+  double on = 0, around = 0;  // hits
   double on_area = 1, around_area = 1;
   double ratio() const { return (on / on_area) / std::max(around / around_area, 0.5 / around_area); }
   void add(const Contrast& other) { on += other.on, around += other.around; }
@@ -31,9 +31,11 @@ struct Contrast {
 template <class F>
 void for_cells_near(const StemGrid& g, const Eigen::Vector2d& centre, double radius, F&& visit) {
   const int a0 = std::max(0, static_cast<int>(std::floor((centre.x() - radius) / g.cell_m)) - g.first_along);
-  const int a1 = std::min(g.n_along - 1, static_cast<int>(std::floor((centre.x() + radius) / g.cell_m)) - g.first_along);
+  const int a1 =
+      std::min(g.n_along - 1, static_cast<int>(std::floor((centre.x() + radius) / g.cell_m)) - g.first_along);
   const int c0 = std::max(0, static_cast<int>(std::floor((centre.y() + g.half_width_m - radius) / g.cell_m)));
-  const int c1 = std::min(g.n_across - 1, static_cast<int>(std::floor((centre.y() + g.half_width_m + radius) / g.cell_m)));
+  const int c1 =
+      std::min(g.n_across - 1, static_cast<int>(std::floor((centre.y() + g.half_width_m + radius) / g.cell_m)));
   for (int a = a0; a <= a1; ++a)
     for (int c = c0; c <= c1; ++c) {
       const Eigen::Vector2d d = Eigen::Vector2d(g.along_m(a), g.across_m(c)) - centre;
@@ -70,10 +72,12 @@ std::vector<Seed> find_seeds(const StemGrid& g, const Zone& zone) {
       std::vector<int> per_slab(static_cast<std::size_t>(n_zone), 0);
       for (int da = -reach; da <= reach; ++da)
         for (int dc = -reach; dc <= reach; ++dc) {
-          if (da * da + dc * dc > reach * reach || a + da < 0 || a + da >= g.n_along || c + dc < 0 || c + dc >= g.n_across)
+          if (da * da + dc * dc > reach * reach || a + da < 0 || a + da >= g.n_along || c + dc < 0 ||
+              c + dc >= g.n_across)
             continue;
           const auto column = g.column(a + da, c + dc);
-          for (int s = 0; s < n_zone; ++s) per_slab[static_cast<std::size_t>(s)] += column[static_cast<std::size_t>(zone.first + s)];
+          for (int s = 0; s < n_zone; ++s)
+            per_slab[static_cast<std::size_t>(s)] += column[static_cast<std::size_t>(zone.first + s)];
         }
       Seed seed{a, c, 0, 0};
       for (int n : per_slab) seed.slabs += n >= 1, seed.hits += n;
@@ -211,16 +215,18 @@ UpperPart find_upper(const StemGrid& g, const PostOptions& options, double low_h
 }
 
 // Puts the axis through the centre of mass of the low zone and that of the upper part.
-void straighten(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& low_centre, const UpperPart& upper, GridStem& stem) {
+void straighten(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& low_centre, const UpperPart& upper,
+                GridStem& stem) {
   const double low_h = 0.5 * (zone.first + zone.end) * g.slab_m, high_h = (upper.slab + 1) * g.slab_m;
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     double weight = 0;
     for (int slab = upper.slab; slab < upper.slab + 2; ++slab)
-      for_cells_near(g, stem.foot + stem.lean * high_h, stem.radius_m + kSkin, [&](int a, int c, const Eigen::Vector2d& d) {
-        const double n = g.column(a, c)[static_cast<std::size_t>(slab)];
-        sum += n * d, weight += n;
-      });
+      for_cells_near(g, stem.foot + stem.lean * high_h, stem.radius_m + kSkin,
+                     [&](int a, int c, const Eigen::Vector2d& d) {
+                       const double n = g.column(a, c)[static_cast<std::size_t>(slab)];
+                       sum += n * d, weight += n;
+                     });
     if (weight < 1) return;
     const Eigen::Vector2d high_centre = stem.foot + stem.lean * high_h + sum / weight;
     stem.lean = (high_centre - low_centre) / (high_h - low_h);

@@ -43,7 +43,8 @@ template <class T>
 Result<std::span<const T>> stored_column(const tile::ArraySet& arrays, const std::string& name, std::size_t length) {
   Result<std::span<const T>> column = arrays.column<T>(name);
   if (column && column->size() != length)
-    return damaged(arrays, "column '" + name + "' has " + std::to_string(column->size()) + " entries, expected " + std::to_string(length));
+    return damaged(arrays, "column '" + name + "' has " + std::to_string(column->size()) + " entries, expected " +
+                               std::to_string(length));
   return column;
 }
 

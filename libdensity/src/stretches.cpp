@@ -1,7 +1,7 @@
 #include "rayfield/density/stretches.h"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -62,12 +62,14 @@ RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit
   const int most = std::max(1, static_cast<int>(std::floor(limit_m / o.voxel_m + 1e-9)));
   const int first = std::max(-most, static_cast<int>(std::floor(low / o.voxel_m + 1e-9)));
   const int last = std::min(most, static_cast<int>(std::ceil(high / o.voxel_m - 1e-9)));
-  const int n_up = std::max(1, static_cast<int>(std::ceil((std::min(top, o.max_height_m) - o.up_min_m) / o.voxel_m - 1e-9)));
+  const int n_up =
+      std::max(1, static_cast<int>(std::ceil((std::min(top, o.max_height_m) - o.up_min_m) / o.voxel_m - 1e-9)));
   e.across_min_m = first * o.voxel_m, e.across_max_m = last * o.voxel_m;
   e.up_max_m = o.up_min_m + n_up * o.voxel_m;
   if (e.hits > 0)
-    e.outside_share = std::min(1.0, share_outside(across->second, -profile.half_width_m, profile.bin_m, e.across_min_m, e.across_max_m) +
-                                        share_outside(up->second, profile.up_min_m, profile.bin_m, o.up_min_m, e.up_max_m));
+    e.outside_share = std::min(
+        1.0, share_outside(across->second, -profile.half_width_m, profile.bin_m, e.across_min_m, e.across_max_m) +
+                 share_outside(up->second, profile.up_min_m, profile.bin_m, o.up_min_m, e.up_max_m));
   return e;
 }
 
@@ -120,7 +122,8 @@ Result<void> StretchOptions::validate() const {
   return {};
 }
 
-std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile, const StretchOptions& options) {
+std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile,
+                                    const StretchOptions& options) {
   const double limit = layout.spacing_m > 0 ? 0.5 * layout.spacing_m : options.lone_half_width_m;
   std::vector<RowExtents> extents;
   for (const Row& row : layout.rows) extents.push_back(extents_of_row(row.number, profile, limit, options));
@@ -155,8 +158,9 @@ Result<StretchList> make_stretches(const RowLayout& layout, const GroundModel& g
       }
     }
     if (left_out > 0)
-      out.warnings.push_back(fmt::format("row {}: {} stretches of {:.1f} m have no voxels because the ground under them is unknown",
-                                         row.number, left_out, options.voxels_per_stretch * options.voxel_m));
+      out.warnings.push_back(
+          fmt::format("row {}: {} stretches of {:.1f} m have no voxels because the ground under them is unknown",
+                      row.number, left_out, options.voxels_per_stretch * options.voxel_m));
   }
   return out;
 }

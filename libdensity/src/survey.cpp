@@ -51,7 +51,8 @@ Result<void> SurveyOptions::validate() const {
 }
 
 std::span<const LowBin> TileSurvey::cell_bins(int ix, int iy) const {
-  const std::size_t cell = static_cast<std::size_t>(iy) * static_cast<std::size_t>(cells) + static_cast<std::size_t>(ix);
+  const std::size_t cell =
+      static_cast<std::size_t>(iy) * static_cast<std::size_t>(cells) + static_cast<std::size_t>(ix);
   return std::span<const LowBin>(bins).subspan(bin_begin[cell], bin_begin[cell + 1] - bin_begin[cell]);
 }
 
@@ -73,8 +74,8 @@ SurveyAccumulator::SurveyAccumulator(tile::TileIndex index, double tile_size_m, 
   coverage_ = Grid2<std::uint8_t>(corner_, tile_size_m / side, side, side);
 }
 
-// Keeps the lowest `ground_bins` occupied bins of a cell. A bin that is pushed out can never belong to the lowest again,
-// so the counts of those that remain are complete in whatever order points and partial results arrive.
+// Keeps the lowest `ground_bins` occupied bins of a cell. A bin that is pushed out can never belong to the lowest
+// again, so the counts of those that remain are complete in whatever order points and partial results arrive.
 void SurveyAccumulator::add_bin(std::size_t cell, const LowBin& bin) {
   const std::size_t capacity = static_cast<std::size_t>(options_.ground_bins);
   LowBin* begin = bins_.data() + cell * capacity;
@@ -198,9 +199,9 @@ std::vector<PathPoint> join_path(std::span<const TileSurvey* const> surveys) {
   path.reserve(sums.size());
   for (const auto& [step, sum] : sums) {
     const double n = static_cast<double>(sum.count);
-    path.push_back({(static_cast<double>(step) + 0.5) * step_s,
-                    Eigen::Vector3d(metres_from_fixed(sum.east), metres_from_fixed(sum.north),
-                                    metres_from_fixed(sum.up)) / n});
+    path.push_back(
+        {(static_cast<double>(step) + 0.5) * step_s,
+         Eigen::Vector3d(metres_from_fixed(sum.east), metres_from_fixed(sum.north), metres_from_fixed(sum.up)) / n});
   }
   return path;
 }

@@ -50,12 +50,22 @@ Result<void> read_path(const tile::ArraySet& arrays, TileSurvey& survey) {
 tile::ArraySet survey_to_arrays(const TileSurvey& s) {
   tile::ArraySet out;
   out.kind = "survey", out.version = 1;
-  out.attributes = nlohmann::json{{"ix", s.index.ix}, {"iy", s.index.iy}, {"tile_size_m", s.tile_size_m},
-                                  {"path_step_s", s.path_step_s}, {"bin_m", s.bin_m}, {"cells", s.cells},
-                                  {"coverage_cells", s.coverage.nx}, {"segments", s.segments}, {"starts", s.starts},
-                                  {"ends", s.ends}, {"hits", s.hits}, {"first_time_s", s.first_time_s},
-                                  {"last_time_s", s.last_time_s}, {"lowest_hit_m", or_null(s.lowest_hit_m)},
-                                  {"highest_hit_m", or_null(s.highest_hit_m)}}.dump();
+  out.attributes = nlohmann::json{{"ix", s.index.ix},
+                                  {"iy", s.index.iy},
+                                  {"tile_size_m", s.tile_size_m},
+                                  {"path_step_s", s.path_step_s},
+                                  {"bin_m", s.bin_m},
+                                  {"cells", s.cells},
+                                  {"coverage_cells", s.coverage.nx},
+                                  {"segments", s.segments},
+                                  {"starts", s.starts},
+                                  {"ends", s.ends},
+                                  {"hits", s.hits},
+                                  {"first_time_s", s.first_time_s},
+                                  {"last_time_s", s.last_time_s},
+                                  {"lowest_hit_m", or_null(s.lowest_hit_m)},
+                                  {"highest_hit_m", or_null(s.highest_hit_m)}}
+                       .dump();
   std::vector<std::uint16_t> cell_bins;
   for (std::size_t i = 1; i < s.bin_begin.size(); ++i)
     cell_bins.push_back(static_cast<std::uint16_t>(s.bin_begin[i] - s.bin_begin[i - 1]));
@@ -68,9 +78,11 @@ tile::ArraySet survey_to_arrays(const TileSurvey& s) {
     east.push_back(p.east), north.push_back(p.north), up.push_back(p.up);
   }
   out.columns["cell_bins"] = std::move(cell_bins);
-  out.columns["bin_key"] = std::move(key), out.columns["bin_count"] = std::move(count), out.columns["bin_sum"] = std::move(sum);
+  out.columns["bin_key"] = std::move(key), out.columns["bin_count"] = std::move(count),
+  out.columns["bin_sum"] = std::move(sum);
   out.columns["path_step"] = std::move(step), out.columns["path_count"] = std::move(path_count);
-  out.columns["path_east"] = std::move(east), out.columns["path_north"] = std::move(north), out.columns["path_up"] = std::move(up);
+  out.columns["path_east"] = std::move(east), out.columns["path_north"] = std::move(north),
+  out.columns["path_up"] = std::move(up);
   out.columns["coverage"] = s.coverage.values;
   return out;
 }
@@ -96,7 +108,8 @@ Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_CHECK(read_path(arrays, s));
   const std::size_t cells = static_cast<std::size_t>(coverage) * static_cast<std::size_t>(coverage);
   RAYFIELD_ASSIGN(const auto mask, stored_column<std::uint8_t>(arrays, "coverage", cells));
-  s.coverage = Grid2<std::uint8_t>(Eigen::Vector2d(s.index.ix, s.index.iy) * s.tile_size_m, s.tile_size_m / coverage, coverage, coverage);
+  s.coverage = Grid2<std::uint8_t>(Eigen::Vector2d(s.index.ix, s.index.iy) * s.tile_size_m, s.tile_size_m / coverage,
+                                   coverage, coverage);
   s.coverage.values.assign(mask.begin(), mask.end());
   return s;
 }

@@ -1,5 +1,5 @@
-#include <array>
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "rayfield/density/layout_arrays.h"
@@ -32,12 +32,12 @@ tile::ArraySet stems_to_arrays(std::span<const Stem> stems) {
   std::array<std::vector<double>, 9> numbers;
   for (const Stem& s : stems) {
     row.push_back(s.row);
-    const std::array<double, 9> values{s.position.x(), s.position.y(), s.lean.x(), s.lean.y(), s.radius_m,
-                                       s.top_m, s.contrast, s.upper_share, s.solidity};
+    const std::array<double, 9> values{s.position.x(), s.position.y(), s.lean.x(),    s.lean.y(), s.radius_m,
+                                       s.top_m,        s.contrast,     s.upper_share, s.solidity};
     for (std::size_t k = 0; k < values.size(); ++k) numbers[k].push_back(values[k]);
   }
-  constexpr std::array<const char*, 9> kNames{"easting_m", "northing_m", "lean_east", "lean_north", "radius_m",
-                                              "top_m", "contrast", "upper_share", "solidity"};
+  constexpr std::array<const char*, 9> kNames{"easting_m", "northing_m", "lean_east",   "lean_north", "radius_m",
+                                              "top_m",     "contrast",   "upper_share", "solidity"};
   out.columns["row"] = std::move(row);
   for (std::size_t k = 0; k < kNames.size(); ++k) out.columns[kNames[k]] = std::move(numbers[k]);
   return out;
@@ -58,7 +58,14 @@ Result<std::vector<Stem>> stems_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto solidity, stored_column<double>(arrays, "solidity", n));
   std::vector<Stem> stems;
   for (std::size_t i = 0; i < n; ++i)
-    stems.push_back({row[i], {east[i], north[i]}, {lean_east[i], lean_north[i]}, radius[i], top[i], contrast[i], upper[i], solidity[i]});
+    stems.push_back({row[i],
+                     {east[i], north[i]},
+                     {lean_east[i], lean_north[i]},
+                     radius[i],
+                     top[i],
+                     contrast[i],
+                     upper[i],
+                     solidity[i]});
   return stems;
 }
 
@@ -66,8 +73,12 @@ tile::ArraySet canopy_to_arrays(const CanopyTile& tile) {
   tile::ArraySet out;
   out.kind = "canopy", out.version = 1;
   const auto& first = tile.layers[0];
-  out.attributes = nlohmann::json{{"easting_m", first.origin.x()}, {"northing_m", first.origin.y()},
-                                  {"cell_m", first.cell_m}, {"cells", first.nx}}.dump();
+  out.attributes = nlohmann::json{
+      {"easting_m", first.origin.x()},
+      {"northing_m", first.origin.y()},
+      {"cell_m", first.cell_m},
+      {"cells",
+       first.nx}}.dump();
   for (std::size_t l = 0; l < kLayers.size(); ++l) out.columns[kLayers[l]] = tile.layers[l].values;
   return out;
 }
@@ -81,7 +92,9 @@ Result<CanopyTile> canopy_from_arrays(const tile::ArraySet& arrays) {
   if (!(cell_m > 0)) return damaged(arrays, "the cell size is not positive");
   CanopyTile tile;
   for (std::size_t l = 0; l < kLayers.size(); ++l) {
-    RAYFIELD_ASSIGN(const auto counts, stored_column<std::uint8_t>(arrays, kLayers[l], static_cast<std::size_t>(n) * static_cast<std::size_t>(n)));
+    RAYFIELD_ASSIGN(
+        const auto counts,
+        stored_column<std::uint8_t>(arrays, kLayers[l], static_cast<std::size_t>(n) * static_cast<std::size_t>(n)));
     tile.layers[l] = Grid2<std::uint8_t>({east, north}, cell_m, n, n);
     tile.layers[l].values.assign(counts.begin(), counts.end());
   }
@@ -100,9 +113,13 @@ tile::ArraySet profile_to_arrays(const CanopyProfile& profile) {
     up.insert(up.end(), ups.begin(), ups.end());
   }
   const std::size_t n = std::max<std::size_t>(1, rows.size());
-  out.attributes = nlohmann::json{{"bin_m", profile.bin_m}, {"half_width_m", profile.half_width_m},
-                                  {"up_min_m", profile.up_min_m}, {"across_bins", across.size() / n},
-                                  {"up_bins", up.size() / n}}.dump();
+  out.attributes = nlohmann::json{
+      {"bin_m", profile.bin_m},
+      {"half_width_m", profile.half_width_m},
+      {"up_min_m", profile.up_min_m},
+      {"across_bins", across.size() / n},
+      {"up_bins",
+       up.size() / n}}.dump();
   out.columns["row"] = std::move(rows), out.columns["across"] = std::move(across), out.columns["up"] = std::move(up);
   return out;
 }

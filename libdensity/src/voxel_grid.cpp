@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "tile_ground.h"
 #include "voxel_index.h"
 #include "voxel_traversal.h"
 
@@ -67,6 +68,9 @@ Result<void> VoxelOptions::validate() const {
   if (!(wood_shell_m >= 0 && wood_shell_m <= 0.2))
     return fail(ErrorCode::usage, "bad voxel option", "wood_shell_m", "must lie in 0…0.2 m",
                 "three times the range noise");
+  if (!(sure_return_m >= 0 && sure_return_m <= 200 && slope_margin >= 0 && slope_margin <= 0.5))
+    return fail(ErrorCode::usage, "bad voxel option", "sure_return_m, slope_margin", "must lie in 0…200 m and 0…0.5",
+                "about half the lidar's range");
   return {};
 }
 
@@ -99,6 +103,11 @@ struct VoxelAccumulator::Geometry {
   std::vector<StretchVoxels> empty;
   std::vector<WoodCylinder> wood;
   VoxelIndex index;
+  TileGround ground;
+
+  bool left_out(const Eigen::Vector3d& p, const Eigen::Vector3d& d) const {
+    return options.sure_return_m > 0 && !ground.sure_to_return(p, d, options.sure_return_m, options.slope_margin);
+  }
 };
 
 namespace {
@@ -163,6 +172,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
   for (const WoodCylinder& w : wood)
     if (bounds.exteriorDistance(Eigen::Vector2d(w.base.head<2>())) < w.length_m + 1) geometry->wood.push_back(w);
   geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
+  geometry->ground = TileGround::of(kept);
   return VoxelAccumulator(geometry);
 }
 
@@ -195,12 +205,13 @@ Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
     bool is_leaf = false, on_wood = false;
     if (length > 0) {
       d /= length;
-      if (geometry_->index.candidates(p, d, length, mask.data())) {
+      const bool left_out = geometry_->left_out(p, d);
+      if (!left_out && geometry_->index.candidates(p, d, length, mask.data())) {
         const Counted counted =
             count({p, d, length, (flags & tile::kHit) != 0, (flags & tile::kStartsHere) != 0}, mask);
         is_leaf = counted.hit, on_wood = counted.on_wood;
       }
-      if (last_was_leaf && !on_wood && d.dot(last_direction) > kNeighbourCosine) {
+      if (last_was_leaf && !left_out && !on_wood && d.dot(last_direction) > kNeighbourCosine) {
         const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
         const double along = to_hit.dot(d);
         pairs_.add((to_hit - along * d).norm(), length - along, (flags & tile::kHit) != 0);

@@ -57,7 +57,8 @@ std::size_t BlockSystem::slot_of(int row, int column) const {
                     static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) * 0xc2b2ae3d27d4eb4fULL;
   h ^= h >> 32;
   std::size_t slot = h & (slots_.size() - 1);
-  while (slots_[slot] != 0 && where_[slots_[slot] - 1] != std::pair(row, column)) slot = (slot + 1) & (slots_.size() - 1);
+  while (slots_[slot] != 0 && where_[slots_[slot] - 1] != std::pair(row, column))
+    slot = (slot + 1) & (slots_.size() - 1);
   return slot;
 }
 

@@ -8,14 +8,16 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr double kClockAgreement = 10.0;  // s by which a lidar stamp may differ from the IMU's newest
+constexpr double kClockAgreement = 10.0;   // s by which a lidar stamp may differ from the IMU's newest
 constexpr std::uint64_t kHeldScans = 100;  // scans kept until the first IMU sample comes
-constexpr double kStillSpinner = 0.5;     // rad that a spinner must turn in a drive
+constexpr double kStillSpinner = 0.5;      // rad that a spinner must turn in a drive
 
 }  // namespace
 
 DriveInput::DriveInput(const Rig& rig, const SlamOptions& options, Progress& progress)
-    : rig_(rig), options_(options), progress_(progress),
+    : rig_(rig),
+      options_(options),
+      progress_(progress),
       assembler_(std::make_unique<LidarAssembler>(rig, rig.lidar_offset_s, 0.0)) {}
 
 void DriveInput::imu(const ImuSample& sample) {
@@ -85,7 +87,11 @@ void DriveInput::lidar(const LidarScan& scan) {
 }
 
 void DriveInput::drain(bool flush) {
-  assembler_->drain([this](const BodyScan& scan) { if (odometry_) odometry_->add(scan); }, flush);
+  assembler_->drain(
+      [this](const BodyScan& scan) {
+        if (odometry_) odometry_->add(scan);
+      },
+      flush);
 }
 
 void DriveInput::end_drive() {
@@ -149,8 +155,10 @@ Result<Drive> DriveInput::finish() {
   warn(best_->lidar.unusable_scans, "lidar scans with unequal columns or without a time left out");
   warn(best_->lidar.scans_without_angle, "lidar scans (or parts) without a spinner angle left out");
   if (drives_ > 1)
-    warnings_.push_back(fmt::format("the log falls into {} drives (clock jumps or IMU gaps); the longest is used, {:.1f} s "
-                                    "of others are left out", drives_, dropped_s_));
+    warnings_.push_back(
+        fmt::format("the log falls into {} drives (clock jumps or IMU gaps); the longest is used, {:.1f} s "
+                    "of others are left out",
+                    drives_, dropped_s_));
   return std::move(*best_);
 }
 

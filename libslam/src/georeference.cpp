@@ -7,8 +7,8 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr double kUnknownSigma = 2.0;   // m, of a fix that does not state its own
-constexpr double kFrameStep = 50.0;     // m between evaluations of the map's Jacobian
+constexpr double kUnknownSigma = 2.0;  // m, of a fix that does not state its own
+constexpr double kFrameStep = 50.0;    // m between evaluations of the map's Jacobian
 
 bool usable(const GpsFix& f) {
   return f.status >= 0 && std::isfinite(f.time_s) && std::isfinite(f.latitude_deg) && std::isfinite(f.longitude_deg) &&

@@ -10,9 +10,7 @@
 namespace rayfield::slam {
 namespace {
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // Where the schedule stands: what is matched, how far apart, and whether GPS acts (method: annealing, release).
 struct Step {
@@ -98,8 +96,8 @@ Result<GlobalStats> register_globally(OdometryResult& odometry, const ImuGrid& i
     stats.matching_seconds += now_s() - begin;
     begin = now_s();
     if (!fixes.empty() && !step.gps && before_release.empty()) before_release = odometry.track.position;
-    const double cauchy = options.match.first_cauchy *
-                          std::pow(options.match.last_cauchy / options.match.first_cauchy, step.anneal);
+    const double cauchy =
+        options.match.first_cauchy * std::pow(options.match.last_cauchy / options.match.first_cauchy, step.anneal);
     RAYFIELD_CHECK(problem.linearise(matches.near, matches.revisits, cauchy, step.gps, stats));
     RAYFIELD_CHECK(problem.solve_and_apply());
     stats.solving_seconds += now_s() - begin;

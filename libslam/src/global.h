@@ -28,20 +28,20 @@ struct PoseUncertainty {
 /// What the global stage says of itself.
 struct GlobalStats {
   ResidualStats near_surfels, revisit_surfels, gps_m, gyro_rad_s, accel_m_s2;
-  double thickness_m = 0;            ///< spread of one flat surface seen at different visits (robust standard deviation)
+  double thickness_m = 0;  ///< spread of one flat surface seen at different visits (robust standard deviation)
   std::uint64_t thickness_count = 0;
-  std::uint64_t linked_visits = 0;   ///< pairs of 5 s stretches that at least ten revisit matches link
+  std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches that at least ten revisit matches link
   double release_shift_mean_m = 0, release_shift_max_m = 0;  ///< motion of the poses when GPS was released
-  Eigen::Vector3d offsets = Eigen::Vector3d::Zero();        ///< estimated lidar (s), spinner (rad), GPS (s) offsets
+  Eigen::Vector3d offsets = Eigen::Vector3d::Zero();         ///< estimated lidar (s), spinner (rad), GPS (s) offsets
   Eigen::Vector3d offset_sigmas = Eigen::Vector3d::Zero();
-  std::vector<PoseUncertainty> uncertainty;                  ///< relative to the pose in the middle of the drive
+  std::vector<PoseUncertainty> uncertainty;  ///< relative to the pose in the middle of the drive
   int iterations = 0;
   double matching_seconds = 0, solving_seconds = 0;
 };
 
 /// Stage b: corrects odometry.track over the whole drive (method: 2b). On entry the track stands in the frame of the
-/// fixes (gravity along z, H applied); on return it still does. `fixes` may be empty: then a weak prior holds the gauge.
-/// Surfels and biases in `odometry` are updated too. Errors: bad_input (singular), interrupted.
+/// fixes (gravity along z, H applied); on return it still does. `fixes` may be empty: then a weak prior holds the
+/// gauge. Surfels and biases in `odometry` are updated too. Errors: bad_input (singular), interrupted.
 Result<GlobalStats> register_globally(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
                                       const Rig& rig, const SlamOptions& options, Progress& progress);
 

@@ -6,10 +6,10 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 10;       // samples of one IMU residual: 0.1 s
-constexpr double kFixed = 1e14;     // information that holds an unknown
-constexpr double kGauge = 1e-3;     // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
-constexpr std::size_t kParts = 4;   // partial sums; their number is fixed so that threads do not change the result
+constexpr int kImuGroup = 10;      // samples of one IMU residual: 0.1 s
+constexpr double kFixed = 1e14;    // information that holds an unknown
+constexpr double kGauge = 1e-3;    // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
+constexpr std::size_t kParts = 4;  // partial sums; their number is fixed so that threads do not change the result
 // Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad), GPS (s).
 const Eigen::Vector3d kOffsetSigma(0.05, 0.05, 0.3);
 
@@ -17,7 +17,12 @@ const Eigen::Vector3d kOffsetSigma(0.05, 0.05, 0.3);
 
 GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
                              const Rig& rig, const SlamOptions& options)
-    : odometry_(odometry), imu_(imu), fixes_(fixes), rig_(rig), options_(options), system_(0, BlockSystem::Storage::sparse) {
+    : odometry_(odometry),
+      imu_(imu),
+      fixes_(fixes),
+      rig_(rig),
+      options_(options),
+      system_(0, BlockSystem::Storage::sparse) {
   frame_.track = &odometry.track;
   const double length = odometry.track.end_s();
   frame_.spline.spans = std::max(1, static_cast<int>(std::lround(length / options.global.knot_step_s)));
@@ -34,7 +39,8 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
     const double time = k * length / (bias_nodes_ - 1);
     std::size_t nearest = 0;
     for (std::size_t n = 0; n < odometry.inertial.size(); ++n)
-      if (std::abs(odometry.inertial[n].time_s - time) < std::abs(odometry.inertial[nearest].time_s - time)) nearest = n;
+      if (std::abs(odometry.inertial[n].time_s - time) < std::abs(odometry.inertial[nearest].time_s - time))
+        nearest = n;
     gyro_bias_.push_back(odometry.inertial[nearest].state.gyro_bias);
     accel_bias_.push_back(odometry.inertial[nearest].state.accel_bias);
   }
@@ -151,8 +157,8 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
     add_inertial(groups * p / n, groups * (p + 1) / n, parts_[part], squares[part]);
     add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m, cauchy, parts_[part],
                      near_stats[part]);
-    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m, cauchy, parts_[part],
-                     revisit_stats[part]);
+    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m, cauchy,
+                     parts_[part], revisit_stats[part]);
     return {};
   }));
   system_.clear();
@@ -213,8 +219,8 @@ Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
   RAYFIELD_ASSIGN(const std::vector<Eigen::MatrixXd> covariance, system_.marginals(blocks));
   stats.uncertainty.clear();
   for (int k = 0; k < samples; ++k) {
-    const double time = std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0,
-                                   odometry_.track.end_s());
+    const double time =
+        std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0, odometry_.track.end_s());
     stats.uncertainty.push_back({time, covariance[static_cast<std::size_t>(k)]});
   }
   const Eigen::Vector3d variance = covariance.back().diagonal().segment<3>(2);

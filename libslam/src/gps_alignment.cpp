@@ -62,8 +62,7 @@ GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> f
       residuals[k] = (out.enu_from_world * pairs[k].world - pairs[k].enu).head<2>().norm();
     out.median_residual_m = median_of(residuals);
     const double scale = 1.5 * std::max(out.median_residual_m, options.min_sigma_m);
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      weights[k] = 1 / (1 + residuals[k] * residuals[k] / (scale * scale));
+    for (std::size_t k = 0; k < pairs.size(); ++k) weights[k] = 1 / (1 + residuals[k] * residuals[k] / (scale * scale));
   }
   Eigen::Vector2d low = pairs.front().world.head<2>(), high = low, mean = Eigen::Vector2d::Zero();
   for (const Pair& p : pairs) {

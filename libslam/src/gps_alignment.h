@@ -22,10 +22,10 @@ struct GpsPosition {
 /// gravity), robust against jumps: Cauchy weights at the median residual.
 struct GpsAlignment {
   bool solved = false;
-  Rigid3 enu_from_world;                ///< a rotation about z and a translation
-  double baseline_m = 0;                ///< largest horizontal extent of the used track
-  double median_residual_m = 0;         ///< horizontal, after alignment
-  double yaw_sigma_rad = 0;             ///< from the residuals, with their correlation time
+  Rigid3 enu_from_world;         ///< a rotation about z and a translation
+  double baseline_m = 0;         ///< largest horizontal extent of the used track
+  double median_residual_m = 0;  ///< horizontal, after alignment
+  double yaw_sigma_rad = 0;      ///< from the residuals, with their correlation time
 };
 
 /// `track` gives the IMU pose; fixes outside its time are ignored.

@@ -9,9 +9,9 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr double kMaxSpeed = 15;            // m/s, of a vehicle between vines
-constexpr double kMinInliers = 0.5;         // share of matches within three standard deviations
-constexpr double kMaxBlindFraction = 0.3;   // share of windows with hardly any match
+constexpr double kMaxSpeed = 15;           // m/s, of a vehicle between vines
+constexpr double kMinInliers = 0.5;        // share of matches within three standard deviations
+constexpr double kMaxBlindFraction = 0.3;  // share of windows with hardly any match
 constexpr int kFewMatches = 30;
 
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
@@ -59,7 +59,8 @@ std::vector<DegenerateSpan> find_degenerate(const RunFacts& f) {
     const Eigen::Vector3d direction = f.enu_from_world * w.weakest_direction;
     if (!out.empty() && start <= out.back().end_s) {
       out.back().end_s = end;
-      if (w.weakest_sigma_m > out.back().sigma_m) out.back().sigma_m = w.weakest_sigma_m, out.back().direction = direction;
+      if (w.weakest_sigma_m > out.back().sigma_m)
+        out.back().sigma_m = w.weakest_sigma_m, out.back().direction = direction;
     } else {
       out.push_back({start, end, direction, w.weakest_sigma_m});
     }
@@ -85,7 +86,8 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   r.surfels = odometry.surfels.size();
   r.windows = static_cast<int>(odometry.windows.size());
   double squares = 0, count = 0;
-  for (const WindowStats& w : odometry.windows) squares += w.matches * w.surfel_rms_m * w.surfel_rms_m, count += w.matches;
+  for (const WindowStats& w : odometry.windows)
+    squares += w.matches * w.surfel_rms_m * w.surfel_rms_m, count += w.matches;
   r.window_surfels_m = {static_cast<std::uint64_t>(count), count > 0 ? std::sqrt(squares / count) : 0};
   const auto plain = [](const ResidualStats& s) { return ResidualSummary{s.count, s.rms}; };
   r.near_surfels_m = plain(f.stats.near_surfels), r.revisit_surfels_m = plain(f.stats.revisit_surfels);
@@ -93,8 +95,7 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   r.gyro_rad_s = plain(f.stats.gyro_rad_s), r.accel_m_s2 = plain(f.stats.accel_m_s2);
   r.loop_closures = f.stats.revisit_surfels.count;
   r.linked_visits = f.stats.linked_visits;
-  r.surfel_thickness_m =
-      f.stats.thickness_count > 0 ? f.stats.thickness_m : std::numeric_limits<double>::quiet_NaN();
+  r.surfel_thickness_m = f.stats.thickness_count > 0 ? f.stats.thickness_m : std::numeric_limits<double>::quiet_NaN();
   r.gps = summarise_gps(f, result);
   r.degenerate = find_degenerate(f);
   for (const PoseUncertainty& u : f.stats.uncertainty) {
@@ -109,9 +110,9 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   r.gyro_bias_rad_s = middle.gyro_bias, r.accel_bias_m_s2 = middle.accel_bias;
   if (!r.degenerate.empty())
     r.warnings.push_back(fmt::format("{} stretches where lidar alone does not hold the position", r.degenerate.size()));
-  if (f.stats.thickness_count == 0)
-    r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
-  if (f.gps.invalid > 0) r.warnings.push_back(fmt::format("{} GPS messages without a usable fix left out", f.gps.invalid));
+  if (f.stats.thickness_count == 0) r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
+  if (f.gps.invalid > 0)
+    r.warnings.push_back(fmt::format("{} GPS messages without a usable fix left out", f.gps.invalid));
   return r;
 }
 

@@ -8,8 +8,8 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr double kMaxAngleGap = 0.25;        // s between encoder samples that may be interpolated across
-constexpr std::size_t kMaxWaiting = 20000;   // scans held back for the encoder
+constexpr double kMaxAngleGap = 0.25;       // s between encoder samples that may be interpolated across
+constexpr std::size_t kMaxWaiting = 20000;  // scans held back for the encoder
 
 double last_offset(const LidarScan& scan) {
   return scan.time_offset_s.empty() ? 0.0 : static_cast<double>(scan.time_offset_s.back());

@@ -14,10 +14,10 @@ namespace rayfield::slam {
 
 /// Rays of one lidar message in the IMU frame, each at its own time.
 struct BodyScan {
-  std::vector<double> time_s;               ///< on the IMU clock, absolute
-  std::vector<Eigen::Vector3d> origin;      ///< of the beam in the IMU frame, m
-  std::vector<Eigen::Vector3d> direction;   ///< unit, IMU frame
-  std::vector<float> range_m;               ///< as in LidarScan, after the rig's limits: finite = hit, +inf = none
+  std::vector<double> time_s;              ///< on the IMU clock, absolute
+  std::vector<Eigen::Vector3d> origin;     ///< of the beam in the IMU frame, m
+  std::vector<Eigen::Vector3d> direction;  ///< unit, IMU frame
+  std::vector<float> range_m;              ///< as in LidarScan, after the rig's limits: finite = hit, +inf = none
   std::vector<float> intensity;
   std::vector<float> spin_rate_rad_s;
 };
@@ -25,15 +25,15 @@ struct BodyScan {
 /// What was left out, for the report.
 struct AssemblerCounts {
   std::uint64_t scans = 0, points = 0, hits = 0;
-  std::uint64_t invalid_points = 0;    ///< NaN, too close, or a direction that is not a unit vector
+  std::uint64_t invalid_points = 0;  ///< NaN, too close, or a direction that is not a unit vector
   std::uint64_t scans_without_angle = 0;
-  std::uint64_t late_scans = 0;        ///< stamped before data that was already used
-  std::uint64_t unusable_scans = 0;    ///< unequal columns or a time that is not finite
-  double spinner_turn_rad = 0;         ///< total absolute rotation of the spinner
+  std::uint64_t late_scans = 0;      ///< stamped before data that was already used
+  std::uint64_t unusable_scans = 0;  ///< unequal columns or a time that is not finite
+  double spinner_turn_rad = 0;       ///< total absolute rotation of the spinner
 };
 
-/// Brings lidar points into the IMU frame: p_imu = imu_from_spinner · Rot(axis, θ(t)) · spinner_from_lidar · p, with the
-/// encoder angle interpolated at each point's own time and unwrapped. Scans wait until the encoder has passed them.
+/// Brings lidar points into the IMU frame: p_imu = imu_from_spinner · Rot(axis, θ(t)) · spinner_from_lidar · p, with
+/// the encoder angle interpolated at each point's own time and unwrapped. Scans wait until the encoder has passed them.
 class LidarAssembler {
  public:
   /// `angle_offset_rad` is added to the encoder angle.

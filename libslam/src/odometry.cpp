@@ -12,12 +12,10 @@ namespace rayfield::slam {
 namespace {
 
 constexpr double kGravity = 9.80665;
-constexpr double kAccelBiasSigma = 0.1; // m/s², before anything is known
-constexpr double kMaxStartSpeed = 3.5;  // m/s, of a drive that begins in motion
+constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
+constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
@@ -53,9 +51,8 @@ void Odometry::integrate_to(int last_sample) {
     const int k = t.size() - 1;
     const Eigen::Vector3d w = 0.5 * (imu_.gyro()[k] + imu_.gyro()[k + 1]) - state_.gyro_bias;
     const Eigen::Vector3d a = t.rotation[k] * (imu_.accel()[k] - state_.accel_bias) - state_.gravity;
-    const Eigen::Vector3d step =
-        k == 0 ? Eigen::Vector3d(out_.start.velocity * dt + 0.5 * dt * dt * a)
-               : Eigen::Vector3d(t.position[k] - t.position[k - 1] + dt * dt * a);
+    const Eigen::Vector3d step = k == 0 ? Eigen::Vector3d(out_.start.velocity * dt + 0.5 * dt * dt * a)
+                                        : Eigen::Vector3d(t.position[k] - t.position[k - 1] + dt * dt * a);
     t.position.push_back(t.position[k] + step);
     t.rotation.push_back((t.rotation[k] * exp_so3(dt * w)).normalized());
   }
@@ -69,7 +66,8 @@ void Odometry::extract_to(double time_s) {
     const std::size_t limit = static_cast<std::size_t>(options_.max_points_per_bin);
     if (points.size() > limit) {  // every n-th, so that the choice is even over time
       const double stride = static_cast<double>(points.size()) / static_cast<double>(limit);
-      for (std::size_t k = 0; k < limit; ++k) points[k] = points[static_cast<std::size_t>(static_cast<double>(k) * stride)];
+      for (std::size_t k = 0; k < limit; ++k)
+        points[k] = points[static_cast<std::size_t>(static_cast<double>(k) * stride)];
       points.resize(limit);
     }
     out_.points_used += points.size();
@@ -94,9 +92,8 @@ Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   WindowPrior prior;
   prior.first = first;
   prior.covariance = inertial_covariance_;
-  RAYFIELD_ASSIGN(WindowStats stats,
-                  solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_, out_.noise, prior,
-                               first_sample, last_sample, state_));
+  RAYFIELD_ASSIGN(WindowStats stats, solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_,
+                                                  out_.noise, prior, first_sample, last_sample, state_));
   // Windows overlap: a datum is used length/advance times, so only that share of the information gained is kept.
   const double reuse = first ? 1.0 : options_.window.length_s / options_.window.advance_s;
   const Matrix8d before = inertial_covariance_.inverse(), after = stats.covariance.inverse();
@@ -138,8 +135,7 @@ Result<void> Odometry::start() {
       sample.insert(sample.end(), found.begin(), found.end());
     }
     out_.start.velocity = search_velocity(sample, out_.track, options_, kMaxStartSpeed);
-    for (int k = 0; k < out_.track.size(); ++k)
-      out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
+    for (int k = 0; k < out_.track.size(); ++k) out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
   }
   extract_to(options_.window.length_s);
   RAYFIELD_CHECK(solve(0, last, true));

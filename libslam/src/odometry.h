@@ -66,8 +66,8 @@ class Odometry {
   SlamOptions options_;
   ImuGrid imu_;
   bool started_ = false;
-  double done_s_ = 0;           // the trajectory is solved up to here
-  double lidar_end_s_ = -1;     // time of the newest point
+  double done_s_ = 0;        // the trajectory is solved up to here
+  double lidar_end_s_ = -1;  // time of the newest point
   std::int64_t extracted_bins_ = 0;
   std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
   std::vector<std::size_t> bin_begin_;           // index of the first surfel of each bin

@@ -9,7 +9,8 @@ namespace {
 
 Result<void> in_range(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return {};
-  return fail(ErrorCode::usage, "cannot use SLAM option", name, fmt::format("{} is outside [{}, {}]", value, low, high));
+  return fail(ErrorCode::usage, "cannot use SLAM option", name,
+              fmt::format("{} is outside [{}, {}]", value, low, high));
 }
 
 }  // namespace

@@ -53,9 +53,7 @@ std::string array(const Items& items, const Render& render) {
   return out + "]";
 }
 
-std::string residual(const ResidualSummary& r) {
-  return Object().set("count", r.count).set("rms", r.rms).text();
-}
+std::string residual(const ResidualSummary& r) { return Object().set("count", r.count).set("rms", r.rms).text(); }
 
 std::string gps_object(const GpsSummary& g) {
   return Object()
@@ -114,7 +112,11 @@ std::string report_json(const SlamReport& r) {
         }));
   o.raw("gyro_bias_rad_s", vector3(r.gyro_bias_rad_s)).raw("accel_bias_m_s2", vector3(r.accel_bias_m_s2));
   o.raw("stages", array(r.stages, [](const StageTime& s) {
-          return Object().set("name", s.name).set("seconds", s.seconds).set("real_time_factor", s.real_time_factor).text();
+          return Object()
+              .set("name", s.name)
+              .set("seconds", s.seconds)
+              .set("real_time_factor", s.real_time_factor)
+              .text();
         }));
   o.raw("warnings", array(r.warnings, [](const std::string& w) { return quoted(w); }));
   return o.text() + "\n";
@@ -131,13 +133,15 @@ std::string report_summary(const SlamReport& r) {
   out += std::isfinite(r.surfel_thickness_m) ? fmt::format("{:.1f} mm thick\n", 1000 * r.surfel_thickness_m)
                                              : std::string("none seen twice\n");
   if (r.gps.used > 0)
-    out += fmt::format("GPS        {} fixes, offset {:.2f} m (median), {:.2f} m (95 %), {} outliers, longest outage {:.1f} s\n",
-                       r.gps.used, r.gps.median_offset_m, r.gps.p95_offset_m, r.gps.outliers, r.gps.longest_outage_s);
+    out += fmt::format(
+        "GPS        {} fixes, offset {:.2f} m (median), {:.2f} m (95 %), {} outliers, longest outage {:.1f} s\n",
+        r.gps.used, r.gps.median_offset_m, r.gps.p95_offset_m, r.gps.outliers, r.gps.longest_outage_s);
   double worst = 0;
   for (const PoseSigma& u : r.uncertainty) worst = std::max(worst, u.translation_m.norm());
   out += fmt::format("shape      within {:.0f} mm (largest standard deviation against the middle of the drive)\n",
                      1000 * worst);
-  for (const OffsetEstimate& e : r.offsets) out += fmt::format("estimated  {} = {:.6f} ± {:.6f}\n", e.name, e.value, e.sigma);
+  for (const OffsetEstimate& e : r.offsets)
+    out += fmt::format("estimated  {} = {:.6f} ± {:.6f}\n", e.name, e.value, e.sigma);
   for (const StageTime& s : r.stages)
     out += fmt::format("time       {}: {:.1f} s ({:.0f} × real time)\n", s.name, s.seconds, s.real_time_factor);
   for (const std::string& w : r.warnings) out += "warning    " + w + "\n";

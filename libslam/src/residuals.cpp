@@ -15,10 +15,8 @@ void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& 
   const SplineWeights w = frame.spline.weights(s.time_s);
   for (int j = 0; j < 4; ++j) out.at(frame.first_knot_block + w.first + j) += sign * w.value[j] * d.transpose();
   if (frame.extra_block < 0) return;
-  const Eigen::Vector3d spin =
-      pose.rotation * frame.spin_axis.cross(s.center.cast<double>() - frame.spin_origin);
-  const Eigen::Vector3d motion =
-      frame.track->velocity(s.time_s) + frame.track->angular_velocity(s.time_s).cross(arm);
+  const Eigen::Vector3d spin = pose.rotation * frame.spin_axis.cross(s.center.cast<double>() - frame.spin_origin);
+  const Eigen::Vector3d motion = frame.track->velocity(s.time_s) + frame.track->angular_velocity(s.time_s).cross(arm);
   auto& extra = out.at(frame.extra_block);
   extra[kLidarOffset] += sign * n.dot(motion + static_cast<double>(s.spin_rate_rad_s) * spin);
   extra[kSpinnerOffset] += sign * n.dot(spin);
@@ -60,9 +58,9 @@ LinearResidual<3> accel_residual(const ResidualFrame& frame, const BiasWeights& 
   }
   const int last = first + count;
   // The mean of the second differences telescopes to a difference of two velocities.
-  const Eigen::Vector3d acceleration = ((track.position[last] - track.position[last - 1]) -
-                                        (track.position[first] - track.position[first - 1])) /
-                                       (count * dt * dt);
+  const Eigen::Vector3d acceleration =
+      ((track.position[last] - track.position[last - 1]) - (track.position[first] - track.position[first - 1])) /
+      (count * dt * dt);
   out.error = force_mean - acceleration - state.gravity;
   for (int j = 0; j < 2; ++j)
     if (bias.weights[j] != 0) out.at(bias.blocks[j]).rightCols<3>() -= bias.weights[j] * rotation_mean;
@@ -91,8 +89,7 @@ LinearResidual<3> gyro_residual(const ResidualFrame& frame, const BiasWeights& b
   for (int j = 0; j < 4; ++j) out.at(frame.first_knot_block + w0.first + j).rightCols<3>() -= w0.value[j] * d;
   for (int j = 0; j < 4; ++j) out.at(frame.first_knot_block + w1.first + j).rightCols<3>() += w1.value[j] * d;
   for (int j = 0; j < 2; ++j)
-    if (bias.weights[j] != 0)
-      out.at(bias.blocks[j]).leftCols<3>().diagonal().array() += bias.weights[j];
+    if (bias.weights[j] != 0) out.at(bias.blocks[j]).leftCols<3>().diagonal().array() += bias.weights[j];
   return out;
 }
 

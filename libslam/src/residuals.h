@@ -18,10 +18,10 @@ namespace rayfield::slam {
 struct ResidualFrame {
   const PoseTrack* track = nullptr;
   CorrectionSpline spline;
-  int first_knot_block = 0;                              ///< block of knot 0
+  int first_knot_block = 0;  ///< block of knot 0
   int extra_block = -1;
-  Eigen::Vector3d spin_axis = Eigen::Vector3d::Zero();   ///< in the IMU frame; zero for a fixed lidar
-  Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero(); ///< a point of the spinner's axis in the IMU frame, m
+  Eigen::Vector3d spin_axis = Eigen::Vector3d::Zero();    ///< in the IMU frame; zero for a fixed lidar
+  Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero();  ///< a point of the spinner's axis in the IMU frame, m
 };
 
 /// Biases at one time as a weighted sum of bias blocks (linear between nodes).
@@ -32,8 +32,8 @@ struct BiasWeights {
 
 /// Sensor biases and gravity at the linearisation point.
 struct InertialState {
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s
-  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();  ///< m/s²
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();       ///< rad/s
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();      ///< m/s²
   Eigen::Vector3d gravity = Eigen::Vector3d(0, 0, 9.80665);  ///< world, the specific force at rest (up), m/s²
 };
 

@@ -117,8 +117,8 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
   if (!alignment.solved) out.report.warnings.push_back(out.report.frame_note);
   for (const std::string& w : input.warnings()) out.report.warnings.push_back(w);
   const double duration = end - epoch;
-  for (const auto& [name, seconds] : {std::pair("read and windowed registration", window_seconds),
-                                      std::pair("global registration", global_seconds)})
+  for (const auto& [name, seconds] :
+       {std::pair("read and windowed registration", window_seconds), std::pair("global registration", global_seconds)})
     out.report.stages.push_back({name, seconds, duration / std::max(seconds, 1e-9)});
   RAYFIELD_CHECK(judge(facts, out.report));
   return out;

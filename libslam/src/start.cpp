@@ -18,7 +18,8 @@ struct BlockMoments {
 
 BlockMoments moments(const ImuGrid& imu, int first, int count) {
   BlockMoments m;
-  for (int k = first; k < first + count; ++k) m.gyro_mean += imu.gyro()[k] / count, m.accel_mean += imu.accel()[k] / count;
+  for (int k = first; k < first + count; ++k)
+    m.gyro_mean += imu.gyro()[k] / count, m.accel_mean += imu.accel()[k] / count;
   for (int k = first; k < first + count; ++k) {
     m.gyro_deviation += (imu.gyro()[k] - m.gyro_mean).squaredNorm() / count;
     m.accel_deviation += (imu.accel()[k] - m.accel_mean).squaredNorm() / count;
@@ -112,8 +113,7 @@ Eigen::Vector3d search_velocity(std::span<const Surfel> surfels, const PoseTrack
       if (v.head<2>().norm() <= max_speed + step) score[k] = agreement(placed, v.cast<float>(), options);
       return {};
     });
-    const std::size_t winner =
-        static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+    const std::size_t winner = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
     best = candidate(winner);
     reach = step, step /= 3;
   }

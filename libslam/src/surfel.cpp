@@ -104,9 +104,8 @@ void extract_level(std::span<const Eigen::Vector3d> world, std::span<const BodyP
     CellMap map(points.size() / 8);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Eigen::Vector3d c = world[k] / size;
-      Cell& cell =
-          map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
-                 static_cast<int>(std::floor(c.z() + shift)));
+      Cell& cell = map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
+                          static_cast<int>(std::floor(c.z() + shift)));
       const Eigen::Vector3d p = world[k] - origin;
       cell.count++;
       cell.sum += p;

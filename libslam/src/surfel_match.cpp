@@ -20,9 +20,8 @@ class CellIndex {
       : cell_(static_cast<float>(cell_m)), inverse_cell_(static_cast<float>(1 / cell_m)) {
     for (std::uint32_t k = 0; k < surfels.size(); ++k)
       if (surfels[k].level == level) order_.push_back({key_of(surfels[k].center), k});
-    std::sort(order_.begin(), order_.end(), [](const Entry& a, const Entry& b) {
-      return a.key != b.key ? a.key < b.key : a.index < b.index;
-    });
+    std::sort(order_.begin(), order_.end(),
+              [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.index < b.index; });
     sorted_.reserve(order_.size());
     for (const Entry& e : order_) sorted_.push_back(surfels[e.index]);
     std::size_t capacity = 64;

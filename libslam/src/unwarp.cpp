@@ -33,8 +33,11 @@ struct Unwarper::Impl {
   std::size_t cursor = 0;
 
   Impl(const Rig& r, const Trajectory& t, const SensorOffsets& offsets, RayTaker taker, std::size_t rays)
-      : rig(r), trajectory(t), assembler(r, r.lidar_offset_s + offsets.lidar_s, offsets.spinner_rad),
-        take(std::move(taker)), batch_rays(rays) {
+      : rig(r),
+        trajectory(t),
+        assembler(r, r.lidar_offset_s + offsets.lidar_s, offsets.spinner_rad),
+        take(std::move(taker)),
+        batch_rays(rays) {
     batch.reserve(rays + 4096);
   }
 
@@ -62,8 +65,8 @@ struct Unwarper::Impl {
       const Eigen::Vector3d origin = pose.translation + (stretch * arm.array()).matrix();
       const Eigen::Vector3d end = origin + (stretch * (range * direction).array()).matrix();
       const float intensity = std::clamp(std::isfinite(scan.intensity[k]) ? scan.intensity[k] : 0.0f, 0.0f, 65535.0f);
-      batch.push(origin, end, scan.time_s[k], hit ? static_cast<std::uint16_t>(std::lround(intensity)) : std::uint16_t{0},
-                 hit);
+      batch.push(origin, end, scan.time_s[k],
+                 hit ? static_cast<std::uint16_t>(std::lround(intensity)) : std::uint16_t{0}, hit);
       ++counts.rays;
       counts.hits += hit;
     }

@@ -17,7 +17,11 @@ class UnwarpSource : public RaySource {
  public:
   UnwarpSource(LogReader read, const Rig& rig, std::shared_ptr<const Trajectory> trajectory,
                const SensorOffsets& offsets, std::string name)
-      : read_(std::move(read)), rig_(rig), trajectory_(std::move(trajectory)), offsets_(offsets), name_(std::move(name)) {}
+      : read_(std::move(read)),
+        rig_(rig),
+        trajectory_(std::move(trajectory)),
+        offsets_(offsets),
+        name_(std::move(name)) {}
   ~UnwarpSource() override { stop(); }
 
   Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
@@ -112,10 +116,10 @@ class UnwarpSource : public RaySource {
   std::thread worker_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<RayBatch> queue_;         // guarded by mutex_
-  std::optional<Result<void>> done_;   // guarded by mutex_
-  UnwarpCounts counts_;                // guarded by mutex_
-  bool stopping_ = false;              // guarded by mutex_
+  std::deque<RayBatch> queue_;        // guarded by mutex_
+  std::optional<Result<void>> done_;  // guarded by mutex_
+  UnwarpCounts counts_;               // guarded by mutex_
+  bool stopping_ = false;             // guarded by mutex_
   RayBatch front_;
   std::size_t next_ = 0;
   bool ended_ = false;

@@ -8,8 +8,8 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 5;         // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
-constexpr double kFixed = 1e14;      // information that holds an unknown
+constexpr int kImuGroup = 5;     // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
+constexpr double kFixed = 1e14;  // information that holds an unknown
 // Surfels of overlapping voxels and resolutions share points: a match counts as this many independent ones.
 constexpr double kSurfelIndependence = 0.2;
 
@@ -41,7 +41,8 @@ ImuSums add_imu_terms(const ResidualFrame& frame, const ImuGrid& imu, const Iner
 // Joins the window to what lies before it, or fixes the gauge of the first one.
 void add_start(const ResidualFrame& frame, const WindowPrior& prior, double start_s, BlockSystem& system) {
   if (!prior.first) {
-    for (int j = 0; j < 3; ++j) system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(kFixed));
+    for (int j = 0; j < 3; ++j)
+      system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(kFixed));
     return;
   }
   // No correction at the start. That holds its tilt too: what is wrong with it shows as the direction of gravity.
@@ -57,8 +58,7 @@ void add_start(const ResidualFrame& frame, const WindowPrior& prior, double star
 // The joint prior of biases and gravity: e = L⁻¹·(x − x₀) with covariance L·Lᵀ.
 void add_inertial_prior(const WindowPrior& prior, const InertialState& before, const InertialState& now, int bias_block,
                         int extra_block, BlockSystem& system) {
-  const Matrix8d whitening =
-      prior.covariance.llt().matrixL().solve(Matrix8d::Identity());
+  const Matrix8d whitening = prior.covariance.llt().matrixL().solve(Matrix8d::Identity());
   Eigen::Matrix<double, 8, 1> moved;
   moved << now.gyro_bias - before.gyro_bias, now.accel_bias - before.accel_bias,
       (now.gravity - before.gravity).head<2>();
@@ -89,9 +89,8 @@ void set_spinner(const Rig& rig, ResidualFrame& frame) {
   frame.spin_origin = rig.imu_from_spinner.translation;
 }
 
-void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
-                      std::span<const SurfelMatch> matches, double sigma_m, double cauchy, BlockSystem& system,
-                      WindowStats& stats) {
+void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
+                      double sigma_m, double cauchy, BlockSystem& system, WindowStats& stats) {
   double weight_sum = 0, square_sum = 0;
   int inliers = 0;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -146,8 +145,8 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
   const int iterations = prior.first ? options.window.first_iterations : options.window.max_iterations;
   for (int it = 0; it < iterations; ++it) {
     // Later windows start from a trajectory that is right but for the newest second: they anneal over the second half.
-    const double f = prior.first ? it / std::max(1.0, iterations - 5.0)
-                                 : 0.5 + 0.5 * it / std::max(1.0, iterations - 2.0);
+    const double f =
+        prior.first ? it / std::max(1.0, iterations - 5.0) : 0.5 + 0.5 * it / std::max(1.0, iterations - 2.0);
     const auto placed = place_surfels(surfels, track, track.position[first_sample], 1);
     MatchQuery query;
     query.radius_voxels = mix_log(options.match.first_radius_voxels, options.match.last_radius_voxels, f);

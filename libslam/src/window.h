@@ -36,8 +36,8 @@ struct WindowStats {
   double start_s = 0, end_s = 0;
   int iterations = 0;
   int surfels = 0, matches = 0;
-  double inlier_fraction = 0;      ///< matches within three standard deviations
-  double surfel_rms_m = 0;         ///< weighted by the final robust weights
+  double inlier_fraction = 0;          ///< matches within three standard deviations
+  double surfel_rms_m = 0;             ///< weighted by the final robust weights
   double gyro_rms = 0, accel_rms = 0;  ///< in standard deviations of the rig's noise
   /// Standard deviation of the window's mean translation from lidar alone along its weakest direction, m.
   double weakest_sigma_m = 0;
@@ -46,9 +46,8 @@ struct WindowStats {
 };
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.
-void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
-                      std::span<const SurfelMatch> matches, double sigma_m, double cauchy, BlockSystem& system,
-                      WindowStats& stats);
+void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
+                      double sigma_m, double cauchy, BlockSystem& system, WindowStats& stats);
 
 /// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`.
 /// method: 2a; re-associates and re-weights at every iteration. Errors: bad_input where the system is singular.

@@ -65,6 +65,8 @@ Result<FileEntry> DurableWriter::write(std::span<const std::byte> bytes, const s
   RAYFIELD_CHECK(make_directories(root_, directory));
   RAYFIELD_ASSIGN(const std::filesystem::path temporary, write_temporary(root_ / layout::kTemporary, bytes));
   const std::filesystem::path final_path = root_ / entry.path;
+  // A file that was there before may be named by an older snapshot.
+  const bool is_new = ::access(final_path.c_str(), F_OK) != 0;
   int error = fault::point("rename");
   if (error == 0 && std::rename(temporary.c_str(), final_path.c_str()) != 0) error = errno;
   if (error != 0) {
@@ -72,7 +74,24 @@ Result<FileEntry> DurableWriter::write(std::span<const std::byte> bytes, const s
     return fail_io(error, "cannot write", final_path);
   }
   touch(directory);
+  if (is_new) {
+    const std::lock_guard lock(mutex_);
+    new_files_.insert(entry.path);
+  }
   return entry;
+}
+
+void DurableWriter::discard_new_files() {
+  const std::lock_guard lock(mutex_);
+  for (const std::string& path : new_files_) {
+    ::unlink((root_ / path).c_str());
+    // Folders that are empty now go too; what cannot be removed is found by gc.
+    for (std::filesystem::path folder = std::filesystem::path(path).parent_path();
+         folder.has_parent_path() && ::rmdir((root_ / folder).c_str()) == 0; folder = folder.parent_path()) {
+    }
+  }
+  new_files_.clear();
+  directories_.clear();
 }
 
 void DurableWriter::touch(const std::string& directory) {

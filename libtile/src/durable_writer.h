@@ -26,6 +26,9 @@ class DurableWriter {
 
   /// Makes the names of all files written so far durable.
   Result<void> sync_directories();
+  /// After a failure: removes the files that this writer brought into the store, so that a full disk is not left full.
+  /// Only while no snapshot can name them.
+  void discard_new_files();
   /// A directory in which an earlier, interrupted run may have left a name that is not durable yet.
   void touch(const std::string& directory);
 
@@ -33,6 +36,7 @@ class DurableWriter {
   std::filesystem::path root_;
   std::mutex mutex_;
   std::set<std::string> directories_;
+  std::set<std::string> new_files_;
 };
 
 /// A new file in `directory` with these bytes, flushed and read back, under a temporary name. On failure nothing stays.

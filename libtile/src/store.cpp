@@ -44,6 +44,7 @@ Result<void> check_free(const fs::path& folder) {
                   "give an empty or a new folder");
   }
   if (error) return fail_io(error.value(), "cannot create a store", folder);
+  if (!fs::exists(folder / layout::kSnapshots, error)) return {};
   RAYFIELD_ASSIGN(const auto numbers, snapshot_numbers(folder));
   if (!numbers.empty())
     return fail(ErrorCode::damaged, "cannot create a store", folder.string(), "it holds snapshots but no store.json");
@@ -95,6 +96,7 @@ Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
                 "give an empty or a new folder");
   fs::create_directories(folder, error);
   if (error) return fail_io(error.value(), "cannot create a store", folder);
+  if (!fs::exists(folder / layout::kStoreFile, error)) RAYFIELD_CHECK(check_free(folder));
   RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(folder));
   for (const char* part : {layout::kSnapshots, layout::kScans, layout::kRegistry})
     RAYFIELD_CHECK(make_directories(folder, part));
@@ -109,7 +111,6 @@ Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
         fmt::format("it is a store already, with {} and {} m tiles", store.config().crs, store.config().tile_size_m),
         "give another folder");
   }
-  RAYFIELD_CHECK(check_free(folder));
   RAYFIELD_CHECK(write_config(folder, config));
   if (const fs::path parent = fs::absolute(folder, error).parent_path(); !error && ::access(parent.c_str(), W_OK) == 0)
     RAYFIELD_CHECK(sync_directory(parent));
@@ -118,7 +119,10 @@ Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
 
 Result<Store> Store::open(const fs::path& folder) {
   std::error_code error;
-  if (!fs::is_directory(folder, error))
+  const bool is_folder = fs::is_directory(folder, error);
+  if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+    return fail_errno(error.value(), "cannot open the store", folder.string());
+  if (!is_folder)
     return fail(ErrorCode::bad_input, "cannot open the store", folder.string(), "there is no such folder",
                 "create it with `rayfield init`");
   if (!fs::exists(folder / layout::kStoreFile, error))

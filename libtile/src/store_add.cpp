@@ -121,6 +121,16 @@ Result<AddReport> already_there(const std::filesystem::path& store, const Snapsh
 
 }  // namespace
 
+Result<std::optional<AddReport>> Store::find_added(const AddOptions& options) const {
+  RAYFIELD_ASSIGN(const std::string scan_id, layout::scan_id(options.date, options.name));
+  RAYFIELD_ASSIGN(const Snapshot snapshot, latest());
+  const Standing standing = standing_of(snapshot, scan_id, options);
+  if (standing == Standing::absent || options.overwrite) return std::nullopt;
+  if (standing == Standing::other) return date_taken(impl_->folder, scan_id);
+  RAYFIELD_ASSIGN(AddReport report, already_there(impl_->folder, snapshot, scan_id));
+  return std::optional<AddReport>(std::move(report));
+}
+
 Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progress& progress) {
   const std::filesystem::path& store = impl_->folder;
   RAYFIELD_ASSIGN(const std::string scan_id, layout::scan_id(options.date, options.name));
@@ -142,8 +152,12 @@ Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progres
     return writer.write(bytes, layout::rays_directory(scan_id),
                         [&](const std::string& sha256) { return layout::tile_file_name(index, sha256); });
   };
-  RAYFIELD_ASSIGN(const PartitionResult result,
-                  partition(rays, TileGrid(impl_->config), partition_options, spill, write_file, progress));
+  const auto partitioned = partition(rays, TileGrid(impl_->config), partition_options, spill, write_file, progress);
+  if (!partitioned) {
+    writer.discard_new_files();
+    return tl::make_unexpected(partitioned.error());
+  }
+  const PartitionResult& result = *partitioned;
   RAYFIELD_CHECK(writer.sync_directories());
 
   const ScanEntry scan = scan_entry(options, scan_id, result, warnings_of(rays, result.statistics));

@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 
 #include "formats/bag_bytes.h"
+#include "rayfield/formats/sensor_log_writer.h"
 
 namespace rayfield::formats {
 namespace {
@@ -383,6 +385,35 @@ TEST(SensorLog, SaysClearlyWhatALogLacks) {
                        full_rig())
                   .line(),
               HasSubstr("no message has the joint 'spinner'; joints there: a, b"));
+}
+
+/// Peak resident memory of this process so far, MiB.
+double peak_memory_mib() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+TEST(SensorLog, MemoryDoesNotGrowWithTheLog) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers keep freed memory";
+#endif
+  const TemporaryFile small(""), large("");
+  for (const auto& [file, scans] : {std::pair(&small, 500), std::pair(&large, 20000)}) {
+    auto writer = SensorLogWriter::create(file->path(), lidar_rig());
+    const std::vector<float> ranges(1000, 5.0F);
+    for (int i = 0; i < scans; ++i) {
+      ASSERT_TRUE(writer->imu({1e9 + 0.01 * i, {0, 0, 0}, {0, 0, 9.81}}));
+      ASSERT_TRUE(writer->scan(1e9 + 0.01 * i, {1000, -1.5, 0.003, 1e-6, 0.01, 0.1, 40}, ranges, {}));
+    }
+    ASSERT_TRUE(writer->close());
+  }
+  ASSERT_GT(std::filesystem::file_size(large.path()), 80'000'000U);
+  SensorSink sink;
+  ASSERT_TRUE(read_log(small.path(), lidar_rig(), sink));
+  const double before_mib = peak_memory_mib();
+  ASSERT_TRUE(read_log(large.path(), lidar_rig(), sink));
+  EXPECT_LT(peak_memory_mib() - before_mib, 2.0);
 }
 
 TEST(SensorLog, StopsWhenAskedTo) {

@@ -20,7 +20,8 @@ std::vector<PathPoint> path_of(const std::vector<Eigen::Vector2d>& points) {
 std::vector<Eigen::Vector2d> there_and_back() {
   std::vector<Eigen::Vector2d> line;
   for (int i = 0; i <= 240; ++i) line.emplace_back(0, 0.125 * i);
-  for (int i = 1; i < 32; ++i) line.emplace_back(1.25 - 1.25 * std::cos(M_PI * i / 32), 30 + 1.25 * std::sin(M_PI * i / 32));
+  for (int i = 1; i < 32; ++i)
+    line.emplace_back(1.25 - 1.25 * std::cos(M_PI * i / 32), 30 + 1.25 * std::sin(M_PI * i / 32));
   for (int i = 0; i <= 240; ++i) line.emplace_back(2.5, 30 - 0.125 * i);
   return line;
 }

@@ -13,7 +13,8 @@ using testing::Scene;
 
 // 4 % slope and 0.3 m waves of 20 m: a rolling block.
 double rolling(double x, double y) {
-  return 100 + 0.04 * (x - 500000) + 0.3 * std::sin((x - 500000) * 2 * M_PI / 20) * std::cos((y - 6100000) * 2 * M_PI / 24);
+  return 100 + 0.04 * (x - 500000) +
+         0.3 * std::sin((x - 500000) * 2 * M_PI / 20) * std::cos((y - 6100000) * 2 * M_PI / 24);
 }
 
 struct Fit {
@@ -21,7 +22,8 @@ struct Fit {
   int unknown = 0;
 };
 
-Fit compare(const GroundModel& model, const testing::Height& truth, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+Fit compare(const GroundModel& model, const testing::Height& truth, const Eigen::Vector2d& low,
+            const Eigen::Vector2d& high) {
   Fit fit;
   int n = 0;
   for (double x = low.x(); x <= high.x(); x += 0.37)
@@ -161,7 +163,8 @@ TEST(LowerHull, KeepsPointsThatCurveLessThanTheParaboloidAndDropsThoseThatCurveM
   std::vector<bool> used(points.size(), false);
   double area = 0;
   for (const auto& t : hull->triangles) {
-    const Eigen::Vector2d a = points[static_cast<std::size_t>(t[0])].head<2>(), b = points[static_cast<std::size_t>(t[1])].head<2>(),
+    const Eigen::Vector2d a = points[static_cast<std::size_t>(t[0])].head<2>(),
+                          b = points[static_cast<std::size_t>(t[1])].head<2>(),
                           c = points[static_cast<std::size_t>(t[2])].head<2>();
     area += 0.5 * ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
     for (int v : t) used[static_cast<std::size_t>(v)] = true;

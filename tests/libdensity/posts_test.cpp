@@ -122,7 +122,7 @@ TEST(Posts, EndTheRowAndBoundThePanels) {
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(placed.layout.panels[i].number, static_cast<int>(i) + 1);
     EXPECT_NEAR(placed.layout.panels[i].end_m - placed.layout.panels[i].start_m, kPanel, 0.06);
-    if (i > 0) EXPECT_EQ(placed.layout.panels[i].start_m, placed.layout.panels[i - 1].end_m);
+    EXPECT_EQ(placed.layout.panels[i].start_m, i > 0 ? placed.layout.panels[i - 1].end_m : 0.0);
   }
   EXPECT_EQ(placed.layout.panels.front().start_m, 0);
   EXPECT_NEAR(placed.layout.panels.back().end_m, row.length_m(), 1e-9);
@@ -200,9 +200,9 @@ TEST(Stems, AreTheSameHoweverTheSegmentsAreSplit) {
   Trellis trellis;
   trellis.add_to(scene);
   const auto found = testing::find_rows_in(scene);
-  const auto& [index, batch] = *std::max_element(found.tiles.begin(), found.tiles.end(), [](const auto& a, const auto& b) {
-    return a.second.size() < b.second.size();
-  });
+  const auto& [index, batch] =
+      *std::max_element(found.tiles.begin(), found.tiles.end(),
+                        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
   StemAccumulator whole(index, testing::kTile, found.rows.layout, found.ground, {});
   whole.add(batch);
   StemAccumulator odd = StemAccumulator(index, testing::kTile, found.rows.layout, found.ground, {}), even = odd;

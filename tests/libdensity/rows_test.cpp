@@ -74,7 +74,8 @@ TEST_P(RowsOfAnyShape, AreAllFoundAndNoneInvented) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, RowsOfAnyShape,
-                         ::testing::Values(Case{0, 0}, Case{24, 0}, Case{90, 0}, Case{137, 0}, Case{45, 60}, Case{10, 90}),
+                         ::testing::Values(Case{0, 0}, Case{24, 0}, Case{90, 0}, Case{137, 0}, Case{45, 60},
+                                           Case{10, 90}),
                          [](const auto& p) {
                            return "azimuth_" + std::to_string(static_cast<int>(p.param.azimuth_deg)) + "_radius_" +
                                   std::to_string(static_cast<int>(p.param.radius_m));
@@ -117,7 +118,8 @@ TEST(Rows, ALaneOutsideTheBlockAFenceTreesAndAHeadlandMakeNoRow) {
   scene.add_canopy(block, kSpacing, 0, 1, 12, 0.01, 0.9, 1.2);  // wires: a few hits per metre
   for (double at : {0.1, 0.5, 0.9}) {                           // crowns of 5 m, from 1.5 m up to 8 m
     for (int i = 0; i < 12000; ++i) {
-      const Eigen::Vector2d p = block.at(at, 2 * kSpacing + 1.3) + Eigen::Vector2d(scene.normal(1.2), scene.normal(1.2));
+      const Eigen::Vector2d p =
+          block.at(at, 2 * kSpacing + 1.3) + Eigen::Vector2d(scene.normal(1.2), scene.normal(1.2));
       scene.add_point({p.x(), p.y(), 100 + scene.uniform(1.5, 8)});
     }
   }
@@ -125,7 +127,8 @@ TEST(Rows, ALaneOutsideTheBlockAFenceTreesAndAHeadlandMakeNoRow) {
   scene.add_drive({block.at(-2.0 / 30, 8), block.at(-2.0 / 30, -14)});
   const auto found = testing::find_rows_in(scene);
   ASSERT_EQ(found.rows.layout.rows.size(), 3U);
-  for (int i = 0; i < 3; ++i) EXPECT_LT(worst_offset(found.rows.layout.rows[static_cast<std::size_t>(i)], block, -i * kSpacing), 0.08);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT(worst_offset(found.rows.layout.rows[static_cast<std::size_t>(i)], block, -i * kSpacing), 0.08);
 }
 
 TEST(Rows, OfTwoDirectionsAreTwoBlocksNumberedOneAfterTheOther) {

@@ -82,7 +82,8 @@ Tiles Scene::tiles() const {
   constexpr double kMargin = 0.25;
   Tiles out;
   const auto tile_of = [](double v) { return static_cast<std::int32_t>(std::floor(v / kTile)); };
-  const auto push = [&](tile::TileIndex index, const Eigen::Vector3d& from, const Eigen::Vector3d& to, double time_s, int flags) {
+  const auto push = [&](tile::TileIndex index, const Eigen::Vector3d& from, const Eigen::Vector3d& to, double time_s,
+                        int flags) {
     tile::SegmentBatch& batch = out[index];
     batch.entry.push_back(from), batch.exit.push_back(to), batch.time_s.push_back(time_s);
     batch.intensity.push_back(0), batch.flags.push_back(static_cast<std::uint8_t>(flags));
@@ -119,7 +120,8 @@ std::vector<const TileSurvey*> pointers(const std::vector<TileSurvey>& surveys) 
 
 GroundModel ground_of(const std::vector<TileSurvey>& surveys) {
   GroundModel model(kTile);
-  for (const TileSurvey& survey : surveys) model.set(survey.index, estimate_ground(survey.index, pointers(surveys), {}).value().nodes);
+  for (const TileSurvey& survey : surveys)
+    model.set(survey.index, estimate_ground(survey.index, pointers(surveys), {}).value().nodes);
   return model;
 }
 

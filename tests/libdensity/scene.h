@@ -32,7 +32,8 @@ struct BlockShape {
 
 class Scene {
  public:
-  explicit Scene(std::uint64_t seed, Height ground = [](double, double) { return 100.0; });
+  explicit Scene(
+      std::uint64_t seed, Height ground = [](double, double) { return 100.0; });
 
   double ground(const Eigen::Vector2d& p) const { return ground_(p.x(), p.y()); }
   /// Ground hits with gaussian noise, `per_m2` of them.

@@ -117,7 +117,8 @@ TEST(Stretches, ShearAlongThePlaneOfTheGround) {
   BlockShape block;
   block.azimuth_deg = 30;
   // dz/de = 0.06, dz/dn = −0.02; along = (sin 30°, cos 30°), left = (−cos 30°, sin 30°).
-  const GroundModel ground = exact_ground([](double x, double y) { return 50 + 0.06 * (x - 500000) - 0.02 * (y - 6100000); });
+  const GroundModel ground =
+      exact_ground([](double x, double y) { return 50 + 0.06 * (x - 500000) - 0.02 * (y - 6100000); });
   const auto list = make_stretches(two_rows(block, 2.5), ground, {}, {});
   ASSERT_TRUE(list);
   ASSERT_FALSE(list->stretches.empty());

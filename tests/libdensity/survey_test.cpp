@@ -59,7 +59,8 @@ TEST(Survey, CountsEachHitInTheTileOnceAndNoneOfTheMargin) {
   for (const auto& survey : testing::survey_all(tiles)) total += survey.hits;
   EXPECT_EQ(total, 6);
   const auto surveys = testing::survey_all(tiles);
-  const auto middle = std::find_if(surveys.begin(), surveys.end(), [](const TileSurvey& s) { return s.index.ix == 20000; });
+  const auto middle =
+      std::find_if(surveys.begin(), surveys.end(), [](const TileSurvey& s) { return s.index.ix == 20000; });
   ASSERT_NE(middle, surveys.end());
   EXPECT_EQ(middle->hits, 4);  // 500000.0, 500000.1, 500012.0, 500024.9
 }

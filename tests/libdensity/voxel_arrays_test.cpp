@@ -10,7 +10,8 @@ namespace {
 
 TileVoxels some_voxels() {
   // One tile of 25 m, so that some columns belong to others.
-  auto accumulator = VoxelAccumulator::create({10, 20}, 25.0, std::vector{testing::make_stretch()}, {}, {});
+  auto accumulator =
+      VoxelAccumulator::create({10, 20}, 25.0, std::vector{testing::make_stretch()}, {}, testing::count_every_ray());
   if (!accumulator || !accumulator->add(testing::random_rays(testing::make_stretch(), 2000, 9))) return {};
   return std::move(*accumulator).finish();
 }

@@ -90,7 +90,8 @@ TEST(VoxelGrid, ColumnsOfNeighbouringTilesAddUpToTheWhole) {
   std::vector<int> owners(whole.stretches[0].column.size(), 0);
   for (int iy = -1; iy <= 1; ++iy)
     for (int ix = -1; ix <= 1; ++ix) {
-      auto accumulator = VoxelAccumulator::create({10 + ix, 20 + iy}, 25.0, std::vector{s}, {}, {});
+      auto accumulator =
+          VoxelAccumulator::create({10 + ix, 20 + iy}, 25.0, std::vector{s}, {}, testing::count_every_ray());
       ASSERT_TRUE(accumulator.has_value());
       ASSERT_TRUE(accumulator->add(rays).has_value());
       const TileVoxels part = std::move(*accumulator).finish();
@@ -110,7 +111,8 @@ TEST(VoxelGrid, AnySplitOfTheSegmentsGivesTheSameCounters) {
   const Stretch s = make_stretch();
   const tile::SegmentBatch rays = random_rays(s, 3000, 4);
   const TileVoxels whole = count_all({s}, rays);
-  auto first = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {}, {});
+  auto first = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {},
+                                        testing::count_every_ray());
   ASSERT_TRUE(first.has_value());
   VoxelAccumulator second = first->fork();
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -169,7 +171,7 @@ TEST(VoxelGrid, HitsOnKnownWoodAreNoHitsAndThePathInItsShellIsLeftOut) {
   const auto at = [&](double along, double across) { return testing::map_from_grid(s, {along, across, 5.5}); };
   push_ray(rays, at(10.5, -5), at(10.5, s.n_across / 2.0 - 0.05 / s.voxel_m), true);
   push_ray(rays, at(3.5, -5), at(3.5, s.n_across / 2.0 + 0.3), true);
-  VoxelOptions options;
+  VoxelOptions options = testing::count_every_ray();
   options.wood_shell_m = 0.04;
   auto accumulator =
       VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, std::vector{post}, options);
@@ -186,6 +188,28 @@ TEST(VoxelGrid, HitsOnKnownWoodAreNoHitsAndThePathInItsShellIsLeftOut) {
   // True length per metre across the row, times the way to the shell (a circle in the horizontal plane).
   const double slope = (at(10.5, 1) - at(10.5, 0)).norm() / s.voxel_m;
   EXPECT_NEAR(path, slope * (s.n_across / 2.0 * s.voxel_m - 0.09), 1e-5);
+}
+
+TEST(VoxelGrid, GrazingDownwardRaysAreLeftOutWhetherTheyHitOrNot) {
+  const Stretch s = make_stretch();  // falls 6 % against its direction
+  const Vector3d target = testing::map_from_grid(s, {10.5, 4.5, 6.5});
+  const Vector3d along(s.direction.x(), s.direction.y(), 0);
+  const auto rays_seen = [&](const Vector3d& direction, double sure_return_m) {
+    tile::SegmentBatch rays;
+    push_ray(rays, target - 3 * direction, target, true);
+    push_ray(rays, target - 3 * direction, target + 30 * direction, true);
+    VoxelOptions options;
+    options.sure_return_m = sure_return_m;
+    auto accumulator = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {}, options);
+    EXPECT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
+    return std::move(*accumulator).finish().stretches[0].column_voxels(10, 4)[6].rays;
+  };
+  const Vector3d uphill = along + Vector3d(0, 0, -0.05), downhill = -along + Vector3d(0, 0, -0.05);
+  EXPECT_EQ(rays_seen(uphill.normalized(), 25), 2u);    // 11 % against the ground: meets it within 15 m
+  EXPECT_EQ(rays_seen(downhill.normalized(), 25), 0u);  // 1 % above the falling ground
+  EXPECT_EQ(rays_seen(downhill.normalized(), 0), 2u);
+  const Vector3d up = -along + Vector3d(0, 0, 0.01);
+  EXPECT_EQ(rays_seen(up.normalized(), 25), 2u);  // would be kept without a return
 }
 
 TEST(VoxelGrid, LeafAnglesTurnLengthsIntoSphericalEquivalents) {

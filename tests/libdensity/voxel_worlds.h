@@ -66,9 +66,16 @@ inline tile::SegmentBatch random_rays(const Stretch& s, int count, std::uint64_t
   return rays;
 }
 
+/// Rays between random points are no scan: none of them is left out.
+inline VoxelOptions count_every_ray() {
+  VoxelOptions options;
+  options.sure_return_m = 0;
+  return options;
+}
+
 inline TileVoxels count_all(const std::vector<Stretch>& stretches, const tile::SegmentBatch& rays,
                             const std::vector<WoodCylinder>& wood = {}) {
-  auto accumulator = VoxelAccumulator::create(kBigTile, kBigTileSize, stretches, wood, {});
+  auto accumulator = VoxelAccumulator::create(kBigTile, kBigTileSize, stretches, wood, count_every_ray());
   if (!accumulator || !accumulator->add(rays)) return {};
   return std::move(*accumulator).finish();
 }

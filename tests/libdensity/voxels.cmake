@@ -5,6 +5,7 @@ rayfield_test(density_voxel_test LABEL unit
           ${CMAKE_CURRENT_LIST_DIR}/hedge_scene.cpp
           ${CMAKE_CURRENT_LIST_DIR}/integrate_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaf_angle_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/missing_rays_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/voxel_arrays_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/voxel_grid_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/wood_test.cpp

@@ -49,6 +49,7 @@ TEST(Store, AFolderWithOtherThingsInItIsLeftAlone) {
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, ErrorCode::usage);
   EXPECT_THAT(store.error().line(), HasSubstr("holiday.jpg"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "nothing was put beside it";
 }
 
 TEST(Store, AFileCannotBecomeAStore) {

@@ -94,6 +94,7 @@ struct ScanResults {
   std::vector<PanelValue> panel_values;
   std::vector<RowMetreProduct> row_metres;
   std::vector<SectionProduct> sections;
+  double element_area_m2 = 0;  ///< of one leaf, as measured from neighbouring beams or given
 };
 
 /// A block with all its dates (rasters travel apart: they are large).

@@ -34,7 +34,8 @@ struct CanopyTile {
 class CanopyAccumulator {
  public:
   /// `ground` must outlive the accumulator. Hits above unknown ground are left out.
-  CanopyAccumulator(tile::TileIndex index, double tile_size_m, const GroundModel& ground, const CanopyMapOptions& options);
+  CanopyAccumulator(tile::TileIndex index, double tile_size_m, const GroundModel& ground,
+                    const CanopyMapOptions& options);
   void add(const tile::SegmentBatch& segments);
   void merge(const CanopyAccumulator& other);
   const CanopyTile& finish() const { return tile_; }

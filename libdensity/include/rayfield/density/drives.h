@@ -11,10 +11,10 @@ namespace rayfield::density {
 
 /// How the trajectory is cut into drives along lanes.
 struct DriveOptions {
-  double spacing_m = 0.5;       ///< between the vertices of a drive, 0.1…2
-  double min_length_m = 6;      ///< shorter pieces are turns or manoeuvres, 3…100
-  double min_radius_m = 12;     ///< tighter bends are headland turns, 5…50; rows may curve down to about five times it
-  double max_jump_m = 3;        ///< between successive path points: further = the track is cut, 0.5…20
+  double spacing_m = 0.5;    ///< between the vertices of a drive, 0.1…2
+  double min_length_m = 6;   ///< shorter pieces are turns or manoeuvres, 3…100
+  double min_radius_m = 12;  ///< tighter bends are headland turns, 5…50; rows may curve down to about five times it
+  double max_jump_m = 3;     ///< between successive path points: further = the track is cut, 0.5…20
   Result<void> validate() const;
 };
 

@@ -16,14 +16,14 @@ namespace rayfield::density {
 
 /// Ground from the lifted lower convex hull (paper, appendix Ground Extraction), then refitted to the points near it.
 struct GroundOptions {
-  double curvature_per_m = 0.1;   ///< k of z + k(x²+y²), 0.01…1; larger follows sharper hollows, and more noise
-  double halo_m = 8;              ///< neighbours used around a tile, 2…50; enough while relief within it is < k·halo²
-  int min_support = 3;            ///< hits within support_m above a cell's candidate, 1…100; fewer = multipath
-  double support_m = 0.10;        ///< 0.02…0.5
-  double max_drop_m = 0.25;       ///< a candidate further below all its neighbours is multipath, 0.05…2
-  double max_rise_m = 0.30;       ///< how far above the hull the ground may be (banks, noise), 0.05…1
-  double fit_radius_m = 0.14;     ///< standard deviation of the local plane's weights, 0.05…1
-  double max_gap_m = 2.0;         ///< nodes further than this from any supported cell are unknown, 0.25…20
+  double curvature_per_m = 0.1;  ///< k of z + k(x²+y²), 0.01…1; larger follows sharper hollows, and more noise
+  double halo_m = 8;           ///< neighbours used around a tile, 2…50; enough while relief within it is < k·halo²
+  int min_support = 3;         ///< hits within support_m above a cell's candidate, 1…100; fewer = multipath
+  double support_m = 0.10;     ///< 0.02…0.5
+  double max_drop_m = 0.25;    ///< a candidate further below all its neighbours is multipath, 0.05…2
+  double max_rise_m = 0.30;    ///< how far above the hull the ground may be (banks, noise), 0.05…1
+  double fit_radius_m = 0.14;  ///< standard deviation of the local plane's weights, 0.05…1
+  double max_gap_m = 2.0;      ///< nodes further than this from any supported cell are unknown, 0.25…20
   Result<void> validate() const;
 };
 
@@ -39,11 +39,11 @@ Result<LowerHull> lower_hull(std::span<const Eigen::Vector3d> points, double cur
 
 /// Ground of one tile.
 struct GroundTile {
-  Grid2<float> nodes;           ///< heights at cell corners, see GroundModel; NaN = unknown
-  int candidates = 0;           ///< supported cells in the tile and its halo
+  Grid2<float> nodes;  ///< heights at cell corners, see GroundModel; NaN = unknown
+  int candidates = 0;  ///< supported cells in the tile and its halo
   int known_nodes = 0;
-  double median_lift_m = 0;     ///< median of refitted ground minus hull: the bias of the bare hull; NaN if unknown
-  std::string unknown_reason;   ///< why no node is known; empty if some are
+  double median_lift_m = 0;    ///< median of refitted ground minus hull: the bias of the bare hull; NaN if unknown
+  std::string unknown_reason;  ///< why no node is known; empty if some are
 };
 
 /// `surveys`: the tile and whatever neighbours reach into its halo, in any order; all of the same scan and options.

@@ -10,7 +10,8 @@
 #include "rayfield/density/stretches.h"
 #include "rayfield/tile/arrays.h"
 
-/// Stored forms of what leads to the lay-out of a block. All readers answer ErrorCode::damaged, naming what does not fit.
+/// Stored forms of what leads to the lay-out of a block. All readers answer ErrorCode::damaged, naming what does not
+/// fit.
 namespace rayfield::density {
 
 /// Kind "rows" version 1: rows, panels, posts and trunks.

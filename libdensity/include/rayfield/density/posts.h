@@ -18,29 +18,29 @@ namespace rayfield::density {
 
 /// Posts and trunks: upright cylinders near a row's centreline, seen as rings of hits that stand above each other.
 struct PostOptions {
-  double half_width_m = 0.35;     ///< how far from the centreline, 0.15…0.6
-  double cell_m = 0.02;           ///< of the fine grid, 0.01…0.05
-  double slab_m = 0.10;           ///< height of its layers, 0.05…0.2
-  double top_m = 3.0;             ///< of the grid, 1.5…5
-  double low_min_m = 0.20, low_max_m = 0.70;  ///< below the canopy, where stems stand free
-  double min_contrast = 3;        ///< density of hits on a stem to that around it, 1.5…20
-  double min_post_height_m = 1.25;///< what ends lower is a trunk, 0.8…2
+  double half_width_m = 0.35;                  ///< how far from the centreline, 0.15…0.6
+  double cell_m = 0.02;                        ///< of the fine grid, 0.01…0.05
+  double slab_m = 0.10;                        ///< height of its layers, 0.05…0.2
+  double top_m = 3.0;                          ///< of the grid, 1.5…5
+  double low_min_m = 0.20, low_max_m = 0.70;   ///< below the canopy, where stems stand free
+  double min_contrast = 3;                     ///< density of hits on a stem to that around it, 1.5…20
+  double min_post_height_m = 1.25;             ///< what ends lower is a trunk, 0.8…2
   double min_panel_m = 2.5, max_panel_m = 15;  ///< distance between posts
-  double smoothing_m = 20;        ///< wavelength below which the centreline does not follow the posts, 5…100
-  std::optional<double> panel_length_m;        ///< given: panels of this length from the row's start; posts do not rule
+  double smoothing_m = 20;               ///< wavelength below which the centreline does not follow the posts, 5…100
+  std::optional<double> panel_length_m;  ///< given: panels of this length from the row's start; posts do not rule
   Result<void> validate() const;
 };
 
 /// An upright thing in a row.
 struct Stem {
-  int row = 0;                ///< Row::number
+  int row = 0;                                         ///< Row::number
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the axis at the ground, m
   Eigen::Vector2d lean = Eigen::Vector2d::Zero();      ///< horizontal shift per metre of height
   double radius_m = 0;
-  double top_m = 0;           ///< above the ground; up to here it is one column
-  double contrast = 0;        ///< density of hits on it to around it, below the canopy
-  double upper_share = 0;     ///< hits on it above min_post_height_m, where they stand out, relative to below the canopy
-  double solidity = 0;        ///< log-likelihood ratio of a solid post against leaves in the canopy, > 0 = post
+  double top_m = 0;        ///< above the ground; up to here it is one column
+  double contrast = 0;     ///< density of hits on it to around it, below the canopy
+  double upper_share = 0;  ///< hits on it above min_post_height_m, where they stand out, relative to below the canopy
+  double solidity = 0;     ///< log-likelihood ratio of a solid post against leaves in the canopy, > 0 = post
 };
 
 /// Fine counts of hits along the rows through one tile.
@@ -70,7 +70,7 @@ Result<std::vector<Stem>> stems_of_tile(const tile::Store::TileReader& reader, t
                                         const PostOptions& options, int threads);
 
 struct PostReport {
-  double panel_length_m = 0;   ///< usual distance of posts; NaN if not found
+  double panel_length_m = 0;  ///< usual distance of posts; NaN if not found
   int detected = 0, inferred = 0, trunks = 0;
   std::vector<std::string> warnings;
 };

@@ -46,7 +46,8 @@ struct ScanReport {
   std::string scan_id;
   std::uint64_t rays = 0;
   std::size_t files_made = 0, files_kept = 0;
-  double plant_area_m2 = 0;  ///< sum over the panels
+  double plant_area_m2 = 0;    ///< sum over the panels
+  double element_area_m2 = 0;  ///< area of one leaf, as measured or given
   std::vector<std::string> notes;
 };
 

@@ -15,8 +15,8 @@ struct Row {
 
 /// Part of a row between two posts (or of a given length).
 struct Panel {
-  int row = 0;     ///< Row::number
-  int number = 0;  ///< from 1 along the row
+  int row = 0;                    ///< Row::number
+  int number = 0;                 ///< from 1 along the row
   double start_m = 0, end_m = 0;  ///< chainage
 };
 
@@ -26,8 +26,9 @@ struct Post {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double height_m = 0;  ///< above the ground
   double radius_m = 0.05;
-  Eigen::Vector2d lean = Eigen::Vector2d::Zero();  ///< horizontal shift per metre of height, map axes; position is at the ground
-  bool detected = true;   ///< false: placed where the regular spacing wants one
+  Eigen::Vector2d lean =
+      Eigen::Vector2d::Zero();  ///< horizontal shift per metre of height, map axes; position is at the ground
+  bool detected = true;         ///< false: placed where the regular spacing wants one
 };
 
 /// The stem of a vine between the ground and its cordon: wood whose hits are not leaves.
@@ -53,13 +54,13 @@ struct RowLayout {
 ///   along = e·ux + n·uy, across = −e·uy + n·ux, up = z − (ground_m + slope_along·along + slope_across·across).
 /// The shear keeps straight rays straight and volumes exact (method: terrain-following voxels).
 struct Stretch {
-  int row = 0;    ///< Row::number
-  int index = 0;  ///< along the row, from 0
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();    ///< on the centreline, where the stretch begins
+  int row = 0;                                           ///< Row::number
+  int index = 0;                                         ///< along the row, from 0
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();      ///< on the centreline, where the stretch begins
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector along the row
-  double chainage_m = 0;                                ///< of the origin along the row
+  double chainage_m = 0;                                 ///< of the origin along the row
   double ground_m = 0, slope_along = 0, slope_across = 0;
-  int first_along = 0;                 ///< number of the first voxel column along the row, counted from chainage 0
+  int first_along = 0;  ///< number of the first voxel column along the row, counted from chainage 0
   int n_along = 0, n_across = 0, n_up = 0;
   double across_min_m = 0, up_min_m = 0.3;  ///< of the grid's low faces
   double voxel_m = 0.12;

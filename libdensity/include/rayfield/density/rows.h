@@ -16,16 +16,16 @@ namespace rayfield::density {
 /// then verified: a lane outside of the block, a headland, a fence or a line of trees makes no row.
 struct RowOptions {
   DriveOptions drives;
-  double min_offset_m = 0.5;       ///< nearest a row can stand to the vehicle's track, 0.2…2
-  double max_offset_m = 2.6;       ///< furthest: half the widest lane, 1…6
-  double half_width_m = 0.3;       ///< of the core of a canopy, in which its strength is measured, 0.1…1
-  double max_gap_m = 6.0;          ///< a longer gap without canopy, post or trunk ends the row, 1…30
-  double min_length_m = 5.0;       ///< 2…100
-  double min_cover = 0.5;          ///< share of the row with canopy, 0.1…1
-  double min_strength_share = 0.25;///< of the median row's strength: below = a fence, weeds, 0…1
-  double max_tall_share = 0.3;     ///< share of the row under something taller than a vine, 0…1
-  double max_lane_share = 0.5;     ///< canopy in the lanes beside, as share of that in the row, 0.1…1
-  double smoothing_m = 12.0;       ///< wavelength below which the centreline does not follow, 2…100
+  double min_offset_m = 0.5;         ///< nearest a row can stand to the vehicle's track, 0.2…2
+  double max_offset_m = 2.6;         ///< furthest: half the widest lane, 1…6
+  double half_width_m = 0.3;         ///< of the core of a canopy, in which its strength is measured, 0.1…1
+  double max_gap_m = 6.0;            ///< a longer gap without canopy, post or trunk ends the row, 1…30
+  double min_length_m = 5.0;         ///< 2…100
+  double min_cover = 0.5;            ///< share of the row with canopy, 0.1…1
+  double min_strength_share = 0.25;  ///< of the median row's strength: below = a fence, weeds, 0…1
+  double max_tall_share = 0.3;       ///< share of the row under something taller than a vine, 0…1
+  double max_lane_share = 0.5;       ///< canopy in the lanes beside, as share of that in the row, 0.1…1
+  double smoothing_m = 12.0;         ///< wavelength below which the centreline does not follow, 2…100
   Result<void> validate() const;
 };
 
@@ -36,8 +36,8 @@ struct RejectedRow {
 };
 
 struct RowFindings {
-  RowLayout layout;          ///< rows and spacing; no posts or panels yet
-  StraightRun direction;     ///< of the longest straight drive (paper)
+  RowLayout layout;       ///< rows and spacing; no posts or panels yet
+  StraightRun direction;  ///< of the longest straight drive (paper)
   std::vector<Drive> drives;
   std::vector<RejectedRow> rejected;
 };

@@ -19,19 +19,19 @@ namespace rayfield::density {
 /// The voxel grids of a scan: extents per row from the canopy's end points (paper, appendix Voxelisation), cut into
 /// straight stretches that follow the centreline and the ground.
 struct StretchOptions {
-  double voxel_m = 0.12;            ///< 0.03…0.3
-  int voxels_per_stretch = 25;      ///< 4…200; 25 × 0.12 = 3 m; shorter follows curves and relief more closely
-  double up_min_m = 0.30;           ///< low face above the ground, 0…1.5
+  double voxel_m = 0.08;        ///< 0.03…0.3; see docs/density.md, "Voxel size"; the paper has 0.12
+  int voxels_per_stretch = 38;  ///< 4…200; 38 × 0.08 = 3.04 m; shorter follows curves and relief more closely
+  double up_min_m = 0.30;       ///< low face above the ground, 0…1.5
   double across_low = 0.02, across_high = 0.98;  ///< quantiles of end points across the row
-  double up_high = 0.97;            ///< quantile of end points upwards
-  /// Voxels added beyond the quantiles on both sides and on top, 0…10. The quantiles cut outliers and leaves alike: they
-  /// leave 4 % of the hits outside across and 3 % above. Empty voxels add nothing to a sum, so a voxel more costs memory
-  /// and time only (see docs/rows.md for what it brings).
+  double up_high = 0.97;                         ///< quantile of end points upwards
+  /// Voxels added beyond the quantiles on both sides and on top, 0…10. The quantiles cut outliers and leaves alike:
+  /// they leave 4 % of the hits outside across and 3 % above. Empty voxels add nothing to a sum, so a voxel more costs
+  /// memory and time only (see docs/rows.md for what it brings).
   int widen_voxels = 1;
-  double min_half_width_m = 0.24;   ///< 0.05…2
-  double min_height_m = 0.60;       ///< least height of the grid above its low face, 0.1…3
-  double max_height_m = 4.0;        ///< hits higher above the ground are no canopy, 1.5…8
-  double lone_half_width_m = 1.5;   ///< how far a canopy may reach where there is no neighbouring row, 0.3…3
+  double min_half_width_m = 0.24;  ///< 0.05…2
+  double min_height_m = 0.60;      ///< least height of the grid above its low face, 0.1…3
+  double max_height_m = 4.0;       ///< hits higher above the ground are no canopy, 1.5…8
+  double lone_half_width_m = 1.5;  ///< how far a canopy may reach where there is no neighbouring row, 0.3…3
   Result<void> validate() const;
 };
 
@@ -80,7 +80,8 @@ struct RowExtents {
 
 /// Faces from quantiles, widened, at least the minimum and at most half the row spacing, snapped to whole voxels.
 /// Rows without hits get the minimum, so that they are reported as scanned and empty where rays cross them.
-std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile, const StretchOptions& options);
+std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile,
+                                    const StretchOptions& options);
 
 struct StretchList {
   std::vector<Stretch> stretches;  ///< by row, then along

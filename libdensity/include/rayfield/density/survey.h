@@ -16,9 +16,9 @@ namespace rayfield::density {
 
 /// What one pass over a tile's segments keeps. Cell sizes are rounded so that a tile holds a whole number of cells.
 struct SurveyOptions {
-  double ground_cell_m = 0.25;   ///< cells of the low histograms, 0.05…1; smaller = finer ground, fewer points per cell
-  double ground_bin_m = 0.02;    ///< height of a bin, 0.005…0.1; of the order of the lidar's range noise
-  int ground_bins = 48;          ///< lowest occupied bins kept per cell, 8…200; bounds memory
+  double ground_cell_m = 0.25;  ///< cells of the low histograms, 0.05…1; smaller = finer ground, fewer points per cell
+  double ground_bin_m = 0.02;   ///< height of a bin, 0.005…0.1; of the order of the lidar's range noise
+  int ground_bins = 48;         ///< lowest occupied bins kept per cell, 8…200; bounds memory
   double coverage_cell_m = 0.5;  ///< cells of the coverage mask, 0.1…5
   double path_step_s = 0.1;      ///< the vehicle's position is averaged over such steps, 0.01…1
   Result<void> validate() const;
@@ -33,9 +33,9 @@ struct PathSum {
 
 /// One bin of a cell's low histogram.
 struct LowBin {
-  std::int32_t key = 0;    ///< floor(height / ground_bin_m)
-  std::uint32_t count = 0; ///< hits
-  std::int64_t sum = 0;    ///< of heights above the bin's floor, 0.1 mm
+  std::int32_t key = 0;     ///< floor(height / ground_bin_m)
+  std::uint32_t count = 0;  ///< hits
+  std::int64_t sum = 0;     ///< of heights above the bin's floor, 0.1 mm
 };
 
 /// Bits of TileSurvey::coverage.
@@ -51,11 +51,11 @@ struct TileSurvey {
   double tile_size_m = 0;
   double path_step_s = 0.1;
   double bin_m = 0.02;
-  int cells = 0;                          ///< low-histogram cells per side; cell = tile_size_m / cells
-  std::vector<std::uint32_t> bin_begin;   ///< cells²+1 offsets into `bins`, cell index iy·cells + ix
-  std::vector<LowBin> bins;               ///< per cell the lowest occupied bins, ascending
-  std::vector<PathSum> path;              ///< ascending step
-  Grid2<std::uint8_t> coverage;           ///< CoverageFlag bits
+  int cells = 0;                         ///< low-histogram cells per side; cell = tile_size_m / cells
+  std::vector<std::uint32_t> bin_begin;  ///< cells²+1 offsets into `bins`, cell index iy·cells + ix
+  std::vector<LowBin> bins;              ///< per cell the lowest occupied bins, ascending
+  std::vector<PathSum> path;             ///< ascending step
+  Grid2<std::uint8_t> coverage;          ///< CoverageFlag bits
   std::int64_t segments = 0, starts = 0, ends = 0, hits = 0;  ///< hits: in the tile proper
   double first_time_s = 0, last_time_s = 0;                   ///< of the segments; 0 without any
   double lowest_hit_m = 0, highest_hit_m = 0;                 ///< NaN without hits
@@ -85,9 +85,9 @@ class SurveyAccumulator {
   int cells_ = 0;
   Eigen::Vector2d corner_;
   std::int64_t bin_units_ = 200;
-  std::vector<LowBin> bins_;              // cells² × ground_bins, each cell's first used_ entries ascending
+  std::vector<LowBin> bins_;  // cells² × ground_bins, each cell's first used_ entries ascending
   std::vector<std::uint16_t> used_;
-  std::vector<PathSum> path_;             // ascending
+  std::vector<PathSum> path_;  // ascending
   Grid2<std::uint8_t> coverage_;
   std::int64_t segments_ = 0, starts_ = 0, ends_ = 0, hits_ = 0;
   double first_time_s_, last_time_s_, lowest_, highest_;

@@ -20,6 +20,13 @@ struct VoxelOptions {
   /// Widening of known wood (m): range noise spreads hits on a post about its surface. Three standard deviations of
   /// the range noise lose 0.1 % of them; what is masked in vain only lowers the ray count. Valid: 0…0.2.
   double wood_shell_m = 0.045;
+  /// Ray clouds hold no downward rays that came back from nowhere (their length is unknown), so a ray that runs down at
+  /// a small angle is in the cloud if a leaf stopped it and missing if not, and the canopy looks too dense. The cure is
+  /// to restore them (MissingRaySource). Where times do not allow that, this leaves out, whatever they met, rays that
+  /// go down and would not reach the tile's ground, taken as a plane, within this distance; it costs the view of the
+  /// canopy at the sensor's height. 0 = count all. Valid: 0…200 m; about half the lidar's range.
+  double sure_return_m = 0;
+  double slope_margin = 0.02;  ///< how much more than the plane the ground may fall away. Valid: 0…0.5
   Result<void> validate() const;
 };
 

@@ -47,7 +47,7 @@ struct WindowOptions {
 
 /// Stage b: global registration of the whole drive.
 struct GlobalOptions {
-  double knot_step_s = 1.0;  ///< spacing of the correction spline, 0.2–2
+  double knot_step_s = 1.0;     ///< spacing of the correction spline, 0.2–2
   int odometry_iterations = 2;  ///< before revisits are matched
   int revisit_iterations = 5;   ///< with revisits and GPS
   int release_iterations = 2;   ///< with revisits, GPS released
@@ -64,7 +64,7 @@ struct GpsOptions {
   double correlation_time_s = 30;  ///< of the receiver's wandering bias: fixes within it count as one
   double min_baseline_m = 8;       ///< the drive must span this much before yaw is taken from GPS
   int min_fixes = 20;
-  double max_residual_m = 10;      ///< median offset above which drive and GPS contradict each other: the run fails
+  double max_residual_m = 10;  ///< median offset above which drive and GPS contradict each other: the run fails
   Result<void> validate() const;
 };
 
@@ -78,10 +78,10 @@ struct SlamOptions {
   GpsOptions gps;
   /// A window whose mean position lidar alone knows worse than this in some direction is reported as degenerate, m.
   double degenerate_sigma_m = 0.1;
-  double max_thickness_m = 0.08;  ///< surfaces thicker than this after registration: the drive failed
-  double max_imu_gap_s = 0.5;  ///< a longer gap ends the drive: no trajectory is made across it
+  double max_thickness_m = 0.08;   ///< surfaces thicker than this after registration: the drive failed
+  double max_imu_gap_s = 0.5;      ///< a longer gap ends the drive: no trajectory is made across it
   int max_points_per_bin = 30000;  ///< lidar points used per time bin; denser lidars are thinned evenly, ≥ 1000
-  int threads = 0;             ///< 0: all processors; does not change the result
+  int threads = 0;                 ///< 0: all processors; does not change the result
   Result<void> validate() const;
 };
 

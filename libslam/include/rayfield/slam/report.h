@@ -15,20 +15,20 @@ struct ResidualSummary {
 
 /// Horizontal offsets of the fixes from the antenna's path.
 struct GpsSummary {
-  std::uint64_t fixes = 0, used = 0;     ///< used: within the drive and not refused as invalid
-  std::uint64_t outliers = 0;            ///< more than three robust standard deviations off: nearly without weight
+  std::uint64_t fixes = 0, used = 0;  ///< used: within the drive and not refused as invalid
+  std::uint64_t outliers = 0;         ///< more than three robust standard deviations off: nearly without weight
   double longest_outage_s = 0;
   double median_offset_m = 0, p95_offset_m = 0, max_offset_m = 0;
-  Eigen::Vector3d mean_offset_m = Eigen::Vector3d::Zero();  ///< east, north, up: antenna less fix
-  double yaw_sigma_rad = 0;              ///< of the frame's orientation
-  double release_shift_mean_m = 0, release_shift_max_m = 0; ///< motion of the poses when GPS was released
+  Eigen::Vector3d mean_offset_m = Eigen::Vector3d::Zero();   ///< east, north, up: antenna less fix
+  double yaw_sigma_rad = 0;                                  ///< of the frame's orientation
+  double release_shift_mean_m = 0, release_shift_max_m = 0;  ///< motion of the poses when GPS was released
 };
 
 /// A stretch where lidar alone does not hold the position along `direction` (east, north, up; unit).
 struct DegenerateSpan {
   double start_s = 0, end_s = 0;  ///< Unix time
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  double sigma_m = 0;             ///< worst standard deviation of a window's position from lidar alone
+  double sigma_m = 0;  ///< worst standard deviation of a window's position from lidar alone
 };
 
 /// Standard deviations of a pose relative to the pose in the middle of the drive (east, north, up; m and rad), from
@@ -54,18 +54,18 @@ struct OffsetEstimate {
 struct SlamReport {
   double start_s = 0, end_s = 0;  ///< Unix time of the trajectory
   double length_m = 0;
-  std::string crs;                ///< empty: local frame
+  std::string crs;  ///< empty: local frame
   bool georeferenced = false;
-  std::string frame_note;         ///< how the frame came about, or why nothing is georeferenced
+  std::string frame_note;  ///< how the frame came about, or why nothing is georeferenced
   double stationary_start_s = 0;
-  double initial_speed_m_s = 0;   ///< found by search where the drive did not start at rest
+  double initial_speed_m_s = 0;  ///< found by search where the drive did not start at rest
 
   std::uint64_t lidar_scans = 0, lidar_points = 0, lidar_hits = 0, surfels = 0;
   int windows = 0;
   ResidualSummary window_surfels_m, near_surfels_m, revisit_surfels_m, gps_m, gyro_rad_s, accel_m_s2;
-  std::uint64_t loop_closures = 0;       ///< surfel matches between different visits
-  std::uint64_t linked_visits = 0;       ///< pairs of 5 s stretches, different visits, linked by at least ten of them
-  double surfel_thickness_m = 0;         ///< spread of flat surfaces seen at different visits (robust sigma); NaN: none
+  std::uint64_t loop_closures = 0;  ///< surfel matches between different visits
+  std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches, different visits, linked by at least ten of them
+  double surfel_thickness_m = 0;    ///< spread of flat surfaces seen at different visits (robust sigma); NaN: none
   GpsSummary gps;
   std::vector<DegenerateSpan> degenerate;
   std::vector<PoseSigma> uncertainty;

@@ -30,11 +30,11 @@ struct SensorOffsets {
 /// What was kept and what was left out.
 struct UnwarpCounts {
   std::uint64_t rays = 0, hits = 0;
-  std::uint64_t downward_no_return = 0;   ///< nothing came back and the beam pointed down: length unknown
-  std::uint64_t invalid = 0;              ///< NaN, too close
-  std::uint64_t outside_trajectory = 0;   ///< measured where there is no pose
-  std::uint64_t without_angle = 0;        ///< scans that the spinner's encoder does not cover
-  std::vector<std::string> lines() const; ///< one line per kind that occurred
+  std::uint64_t downward_no_return = 0;    ///< nothing came back and the beam pointed down: length unknown
+  std::uint64_t invalid = 0;               ///< NaN, too close
+  std::uint64_t outside_trajectory = 0;    ///< measured where there is no pose
+  std::uint64_t without_angle = 0;         ///< scans that the spinner's encoder does not cover
+  std::vector<std::string> lines() const;  ///< one line per kind that occurred
 };
 
 /// Turns a log into rays with a given trajectory, one point at a time at its own time (paper, SLAM: p_G = T(τ) ⊕ p_S).

@@ -72,6 +72,10 @@ class Store {
   /// Partitions a stream of rays into tiles and publishes them as a scan. Memory stays below options.memory_bytes.
   Result<AddReport> add(RaySource& rays, const AddOptions& options, Progress& progress);
 
+  /// What add() would answer without reading a ray: a report with already_there when the scan is in the store, nothing
+  /// when it may be added. Errors: usage, when another scan has the same id. Worth asking before costly preparations.
+  Result<std::optional<AddReport>> find_added(const AddOptions& options) const;
+
   /// Streams a tile's segments in chunks, each decoded on its own: chunk_count() and read_chunk(i) may be called from
   /// several threads at once. Chunks hold at most 131072 segments.
   class TileReader {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "rayfield/density/row_layout.h"
+
+namespace rayfield::density {
+
+/// The ground of a tile as one plane: least squares through the ground under the stretches.
+struct TileGround {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< per metre east and north
+
+  static TileGround of(std::span<const Stretch> stretches);
+
+  /// Whether a ray that goes on from p in the unit direction d is sure to come back: it goes up (and is kept without a
+  /// return) or meets the ground within `reach_m`, even if that falls away by `margin` more than the plane.
+  bool sure_to_return(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double reach_m, double margin) const {
+    if (d.z() > 0) return true;
+    const double height = p.z() - center.z() - slope.dot(p.head<2>() - center.head<2>());
+    const double descent = slope.dot(d.head<2>()) - d.z() - margin;
+    return descent > 0 && height <= descent * reach_m;
+  }
+};
+
+}  // namespace rayfield::density

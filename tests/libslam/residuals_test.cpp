@@ -1,0 +1,244 @@
+#include "residuals.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "window.h"
+
+// The hand-written Jacobians against numeric differentiation by Ceres, with the corrections applied to the trajectory
+// exactly as the solver does.
+namespace rayfield::slam {
+namespace {
+
+constexpr double kStep = 0.01;
+
+// A bumpy, turning track of two seconds.
+PoseTrack bumpy_track() {
+  PoseTrack t;
+  t.step_s = kStep;
+  for (int k = 0; k <= 200; ++k) {
+    const double s = k * kStep;
+    t.position.emplace_back(1.5 * s, 0.3 * std::sin(2 * s), 0.02 * std::sin(11 * s));
+    t.rotation.push_back(exp_so3(Eigen::Vector3d(0.05 * std::sin(5 * s), 0.04 * std::cos(4 * s), 0.8 * s)));
+  }
+  return t;
+}
+
+Eigen::VectorXd small_random(int n, unsigned seed, double scale) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> u(-scale, scale);
+  Eigen::VectorXd x(n);
+  for (double& v : x) v = u(generator);
+  return x;
+}
+
+struct Setup {
+  PoseTrack track = bumpy_track();
+  ResidualFrame frame;
+  int bias_block, blocks;
+  std::vector<Eigen::Vector3d> accel, gyro;
+  InertialState state;
+
+  Setup() {
+    frame.track = &track;
+    frame.spline = {0.0, 0.2, 10};
+    bias_block = frame.spline.knots();
+    frame.extra_block = bias_block + 1;
+    blocks = bias_block + 2;
+    frame.spin_axis = Eigen::Vector3d(0.01, -0.02, 1).normalized();
+    frame.spin_origin = Eigen::Vector3d(0.1, 0, 0.2);
+    for (int k = 0; k <= 200; ++k) {
+      const double s = k * kStep;
+      accel.emplace_back(0.3 * std::sin(7 * s), -0.2, 9.8 + std::cos(9 * s));
+      gyro.emplace_back(0.1 * std::cos(5 * s), -0.1 * std::sin(4 * s), 0.8);
+    }
+    state.gyro_bias = Eigen::Vector3d(0.01, -0.02, 0.005);
+    state.accel_bias = Eigen::Vector3d(0.05, 0.02, -0.03);
+    state.gravity = Eigen::Vector3d(0.05, -0.04, 9.8);
+  }
+
+  // The track after corrections x (six per block).
+  PoseTrack corrected(const Eigen::VectorXd& x) const {
+    PoseTrack t = track;
+    apply_correction(t, frame.spline, x, 0, t.size() - 1);
+    return t;
+  }
+  InertialState moved(const Eigen::VectorXd& x) const {
+    InertialState s = state;
+    s.gyro_bias += x.segment<3>(6 * bias_block);
+    s.accel_bias += x.segment<3>(6 * bias_block + 3);
+    const double length = s.gravity.norm();
+    s.gravity.head<2>() += x.segment<2>(6 * (bias_block + 1));
+    s.gravity.z() = std::sqrt(length * length - s.gravity.head<2>().squaredNorm());
+    return s;
+  }
+};
+
+// Dense Jacobian of a linearised residual.
+template <int Rows>
+Eigen::MatrixXd dense(const LinearResidual<Rows>& r, int blocks) {
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(Rows, 6 * blocks);
+  for (int k = 0; k < r.blocks; ++k) j.middleCols(6 * r.block[k], 6) += r.jacobian[k];
+  return j;
+}
+
+struct Functor {
+  std::function<Eigen::VectorXd(const Eigen::VectorXd&)> f;
+  int parameters;
+  bool operator()(double const* const* x, double* out) const {
+    const Eigen::VectorXd value = f(Eigen::Map<const Eigen::VectorXd>(x[0], parameters));
+    std::copy(value.begin(), value.end(), out);
+    return true;
+  }
+};
+
+// Ridders' method of Ceres: accurate to about 1e-9 of the scale of the function.
+Eigen::MatrixXd numeric(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& f, int rows, int parameters) {
+  ceres::NumericDiffOptions options;
+  options.ridders_relative_initial_step_size = 1e-3;
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<Functor, ceres::RIDDERS>(new Functor{f, parameters},
+                                                                                  ceres::TAKE_OWNERSHIP, options);
+  cost->AddParameterBlock(parameters);
+  cost->SetNumResiduals(rows);
+  const std::unique_ptr<ceres::CostFunction> owner(cost);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(parameters);
+  const double* x[1] = {zero.data()};
+  Eigen::VectorXd value(rows);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> j(rows, parameters);
+  double* jacobians[1] = {j.data()};
+  EXPECT_TRUE(owner->Evaluate(x, value.data(), jacobians));
+  return j;
+}
+
+TEST(GyroResidual, HasTheDerivativeThatDifferencesGive) {
+  const Setup s;
+  const BiasWeights bias{{s.bias_block, s.bias_block}, {1, 0}};
+  const auto r = gyro_residual(s.frame, bias, s.state, s.gyro, 63, 5);
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    const PoseTrack t = s.corrected(x);
+    ResidualFrame frame = s.frame;
+    frame.track = &t;
+    return gyro_residual(frame, bias, s.moved(x), s.gyro, 63, 5).error;
+  };
+  EXPECT_LT((dense(r, s.blocks) - numeric(f, 3, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(AccelResidual, HasTheDerivativeThatDifferencesGive) {
+  const Setup s;
+  const BiasWeights bias{{s.bias_block, s.bias_block}, {1, 0}};
+  // Samples 63 … 67: the second differences lie inside one span of the spline (0.6 … 0.8 s), where the second
+  // difference of a cubic is its second derivative exactly.
+  const auto r = accel_residual(s.frame, bias, s.state, s.accel, 63, 5);
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    const PoseTrack t = s.corrected(x);
+    ResidualFrame frame = s.frame;
+    frame.track = &t;
+    return accel_residual(frame, bias, s.moved(x), s.accel, 63, 5).error;
+  };
+  EXPECT_LT((dense(r, s.blocks) - numeric(f, 3, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(GpsResidual, HasTheDerivativeThatDifferencesGive) {
+  const Setup s;
+  const Eigen::Vector3d arm(-0.4, 0.1, 0.5), fix(1, 2, 3);
+  const auto r = gps_residual(s.frame, 0.73, arm, fix);
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    const PoseTrack t = s.corrected(x);
+    ResidualFrame frame = s.frame;
+    frame.track = &t;
+    return gps_residual(frame, 0.73 + x[6 * s.frame.extra_block + 4], arm, fix).error;
+  };
+  EXPECT_LT((dense(r, s.blocks) - numeric(f, 3, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+Surfel surfel_at(double time, const Eigen::Vector3f& center, const Eigen::Vector3f& normal) {
+  Surfel out;
+  out.time_s = time;
+  out.center = center;
+  out.normal = normal.normalized();
+  out.spin_rate_rad_s = 3.1f;
+  return out;
+}
+
+TEST(SurfelResidual, HasTheDerivativeThatDifferencesGiveWithTheNormalHeld) {
+  const Setup s;
+  const Surfel a = surfel_at(0.33, {2, 1, -1}, {-1, -0.3f, 0.2f}),
+               b = surfel_at(1.47, {1.5f, -0.5f, -1.2f}, {-1, 0.2f, 0.1f});
+  const auto r = surfel_residual(s.frame, a, b);
+  const Rigid3 pose_a = s.track.pose(a.time_s), pose_b = s.track.pose(b.time_s);
+  const Eigen::Vector3d n =
+      (pose_a.rotation * a.normal.cast<double>() + pose_b.rotation * b.normal.cast<double>()).normalized();
+  const auto place = [&](const Surfel& q, const Eigen::VectorXd& x) -> Eigen::Vector3d {
+    const double lidar = x[6 * s.frame.extra_block + 2], angle = x[6 * s.frame.extra_block + 3];
+    // The extra unknowns: the surfel moves to its new time, turned by what the spinner did meanwhile. Derivatives of a
+    // pose between grid times exist on either side only, so time moves along the tangent.
+    const Eigen::Quaterniond turn =
+        exp_so3((angle + lidar * static_cast<double>(q.spin_rate_rad_s)) * s.frame.spin_axis);
+    const Eigen::Vector3d c = turn * (q.center.cast<double>() - s.frame.spin_origin) + s.frame.spin_origin;
+    const SplineWeights w = s.frame.spline.weights(q.time_s);
+    Vector6d d = Vector6d::Zero();
+    for (int j = 0; j < 4; ++j) d += w.value[j] * x.segment<6>(6 * (w.first + j));
+    Rigid3 pose = s.track.pose(q.time_s);
+    pose.translation += d.head<3>() + lidar * s.track.velocity(q.time_s);
+    pose.rotation = exp_so3(d.tail<3>() + lidar * s.track.angular_velocity(q.time_s)) * pose.rotation;
+    return pose * c;
+  };
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return Eigen::Matrix<double, 1, 1>((place(b, x) - place(a, x)).dot(n));
+  };
+  EXPECT_LT((dense(r, s.blocks) - numeric(f, 1, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {
+  const int blocks = 5;
+  std::vector<LinearResidual<3>> rows;
+  for (unsigned k = 0; k < 40; ++k) {
+    LinearResidual<3> r;
+    r.error = small_random(3, 100 + k, 1);
+    for (int b : {static_cast<int>(k) % blocks, static_cast<int>(k * k + 1) % blocks}) {
+      const Eigen::VectorXd v = small_random(18, 200 + 7 * k + static_cast<unsigned>(b), 1);
+      r.at(b) += Eigen::Map<const Eigen::Matrix<double, 3, 6>>(v.data());
+    }
+    rows.push_back(r);
+  }
+  Eigen::MatrixXd stacked(120, 6 * blocks);
+  Eigen::VectorXd errors(120);
+  for (int k = 0; k < 40; ++k)
+    stacked.middleRows(3 * k, 3) = dense(rows[k], blocks), errors.segment<3>(3 * k) = rows[k].error;
+  ceres::Problem problem;
+  Eigen::VectorXd oracle = Eigen::VectorXd::Zero(6 * blocks);
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<Functor>(
+      new Functor{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return stacked * x + errors; }, 6 * blocks});
+  cost->AddParameterBlock(6 * blocks);
+  cost->SetNumResiduals(120);
+  problem.AddResidualBlock(cost, nullptr, oracle.data());
+  ceres::Solver::Options options;
+  options.function_tolerance = 1e-16, options.gradient_tolerance = 1e-14, options.parameter_tolerance = 1e-14;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  for (const auto storage : {BlockSystem::Storage::dense, BlockSystem::Storage::sparse}) {
+    BlockSystem system(blocks, storage);
+    for (const auto& r : rows) system.add(r, 1.0);
+    const auto x = system.solve();
+    ASSERT_TRUE(x) << x.error().line();
+    EXPECT_LT((*x - oracle).cwiseAbs().maxCoeff(), 1e-6);
+    const auto covariance = system.marginals({2});
+    ASSERT_TRUE(covariance);
+    const Eigen::MatrixXd inverse = (stacked.transpose() * stacked).inverse();
+    EXPECT_LT(((*covariance)[0] - inverse.block<6, 6>(12, 12)).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+TEST(BlockSystem, SaysThatASingularSystemIsBadInput) {
+  BlockSystem system(2, BlockSystem::Storage::sparse);
+  system.add_prior(0, Vector6d::Zero(), Vector6d::Ones());
+  system.add_prior(1, Vector6d::Zero(), Vector6d::Zero());
+  const auto x = system.solve();
+  ASSERT_FALSE(x);
+  EXPECT_EQ(x.error().code, ErrorCode::bad_input);
+}
+
+}  // namespace
+}  // namespace rayfield::slam

@@ -1,0 +1,158 @@
+#include "surfel.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "surfel_match.h"
+
+namespace rayfield::slam {
+namespace {
+
+PoseTrack still_track(double seconds, const Eigen::Vector3d& position = Eigen::Vector3d(0, 0, 2)) {
+  PoseTrack t;
+  for (int k = 0; k <= static_cast<int>(seconds * 100); ++k)
+    t.position.push_back(position), t.rotation.emplace_back(Eigen::Quaterniond::Identity());
+  return t;
+}
+
+// Points of the plane n·p = d around `at`, with noise along n.
+std::vector<BodyPoint> plane_points(const Eigen::Vector3d& n, const Eigen::Vector3d& at, double noise, int count,
+                                    const PoseTrack& track) {
+  std::mt19937 generator(3);
+  std::normal_distribution<double> gauss(0, 1);
+  std::uniform_real_distribution<double> spread(-0.5, 0.5);
+  const Eigen::Vector3d u = n.unitOrthogonal(), v = n.cross(u);
+  std::vector<BodyPoint> out;
+  for (int k = 0; k < count; ++k) {
+    const double time = 0.4 * k / count;
+    const Eigen::Vector3d p = at + spread(generator) * u + spread(generator) * v + noise * gauss(generator) * n;
+    out.push_back({time, (track.pose(time).inverse() * p).cast<float>(), 0});
+  }
+  return out;
+}
+
+TEST(ExtractSurfels, FindsThePlaneItsThicknessAndTheSideOfTheSensor) {
+  const PoseTrack track = still_track(1);
+  const Eigen::Vector3d n = Eigen::Vector3d(0.2, -0.1, 1).normalized(), at(3, 1, 0);
+  SurfelOptions options;
+  options.voxel_size_m = {0.6};
+  const auto surfels = extract_surfels(plane_points(n, at, 0.01, 4000, track), track, options);
+  ASSERT_GT(surfels.size(), 4u);
+  int interior = 0;
+  for (const Surfel& s : surfels) {
+    const Eigen::Vector3d center = track.pose(s.time_s) * s.center.cast<double>();
+    if ((center - at).norm() > 0.35) continue;  // cells at the rim hold slivers
+    ++interior;
+    EXPECT_NEAR(n.dot(center - at), 0, 0.003);
+    EXPECT_GT(static_cast<double>(s.normal.dot(n.cast<float>())), 0.999);  // the sensor is above
+    EXPECT_NEAR(std::sqrt(static_cast<double>(s.variance_m2)), 0.01, 0.002);
+  }
+  EXPECT_GT(interior, 2);
+}
+
+TEST(ExtractSurfels, SeesAPlaneAsOneThoughTheVehicleMovedWhileMeasuringIt) {
+  PoseTrack track;
+  for (int k = 0; k <= 100; ++k) {
+    track.position.emplace_back(0.03 * k, 0, 2);
+    track.rotation.push_back(exp_so3(Eigen::Vector3d(0, 0.002 * k, 0.01 * k)));
+  }
+  SurfelOptions options;
+  options.voxel_size_m = {0.6};
+  for (const Surfel& s :
+       extract_surfels(plane_points(Eigen::Vector3d::UnitZ(), {3, 1, 0}, 0, 4000, track), track, options)) {
+    EXPECT_LT(static_cast<double>(s.variance_m2), 1e-10);
+    EXPECT_NEAR((track.pose(s.time_s) * s.center.cast<double>()).z(), 0, 2e-4);
+  }
+}
+
+TEST(ExtractSurfels, GivesNothingForASingleScanLineOrABall) {
+  const PoseTrack track = still_track(1);
+  std::vector<BodyPoint> line, ball;
+  std::mt19937 generator(5);
+  std::normal_distribution<float> gauss(0, 0.1f);
+  for (int k = 0; k < 500; ++k) {
+    line.push_back({0.1, {2.0f + 0.002f * static_cast<float>(k), 1, -2}, 0});
+    ball.push_back({0.1, {2.0f + gauss(generator), 1 + gauss(generator), -1 + gauss(generator)}, 0});
+  }
+  SurfelOptions options;
+  options.voxel_size_m = {1.2};
+  EXPECT_TRUE(extract_surfels(line, track, options).empty());
+  for (const Surfel& s : extract_surfels(ball, track, options))
+    EXPECT_GT(static_cast<double>(s.variance_m2), 1e-3);  // a cut ball may look flat, but never thin
+  EXPECT_TRUE(extract_surfels({}, track, options).empty());
+}
+
+PlacedSurfel placed(float x, float y, float z, const Eigen::Vector3f& n, float time) {
+  return {Eigen::Vector3f(x, y, z), n.normalized(), time, 0};
+}
+
+MatchQuery query() {
+  MatchQuery q;
+  q.radius_voxels = 1;
+  return q;
+}
+
+const std::vector<double> kOneMetre = {1.0};
+const Eigen::Vector3f kUp(0, 0, 1);
+
+TEST(MutualMatches, PairsNearestNeighboursOfDifferentTimes) {
+  const std::vector<PlacedSurfel> s = {placed(0, 0, 0, kUp, 0), placed(0.1f, 0, 0, kUp, 2), placed(0.4f, 0, 0, kUp, 2),
+                                       placed(0.05f, 0, 0, kUp, 0.2f)};
+  const auto m = mutual_matches(s, kOneMetre, query(), 1);
+  // 3 and 1 are nearest to each other; 0 prefers 1, which prefers 3; 2 prefers 3.
+  ASSERT_EQ(m.size(), 1u);
+  EXPECT_EQ(m[0].first, 1u);
+  EXPECT_EQ(m[0].second, 3u);
+}
+
+TEST(MutualMatches, KeepsApartWhatFacesOppositeWays) {
+  // Two sides of a thin wall, 5 cm apart.
+  const std::vector<PlacedSurfel> s = {placed(0, 0, 0, {1, 0, 0}, 0), placed(0.05f, 0, 0, {-1, 0, 0}, 3)};
+  MatchQuery q = query();
+  q.normal_scale_m = 0.6;
+  EXPECT_TRUE(mutual_matches(s, kOneMetre, q, 1).empty());
+}
+
+TEST(MutualMatches, RefusesPairsBeyondTheBoundThatGuardsAgainstTheNextRow) {
+  // The same canopy side, one row (2.5 m) on.
+  const std::vector<PlacedSurfel> s = {placed(0, 0, 0, {1, 0, 0}, 0), placed(2.5f, 0, 0, {1, 0, 0}, 60)};
+  MatchQuery q = query();
+  q.radius_voxels = 4;
+  ASSERT_EQ(mutual_matches(s, kOneMetre, q, 1).size(), 1u);
+  q.max_radius_m = 1.25;
+  EXPECT_TRUE(mutual_matches(s, kOneMetre, q, 1).empty());
+}
+
+TEST(MutualMatches, AgreesWithExhaustiveSearchAtAnyNumberOfThreads) {
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<float> u(-6, 6), d(-1, 1), time(0, 20);
+  std::vector<PlacedSurfel> s;
+  for (int k = 0; k < 9000; ++k)
+    s.push_back(
+        placed(u(generator), u(generator), 0.2f * u(generator), {d(generator), d(generator), 1}, time(generator)));
+  MatchQuery q = query();
+  q.radius_voxels = 0.5;
+  q.min_gap_s = 1, q.max_gap_s = 15;
+  std::vector<std::size_t> nearest(s.size(), s.size());
+  for (std::size_t a = 0; a < s.size(); ++a) {
+    float best = 0.25f;
+    for (std::size_t b = 0; b < s.size(); ++b) {
+      const float gap = std::abs(s[a].time_s - s[b].time_s);
+      const float e = (s[b].center - s[a].center).squaredNorm() + 0.25f * (s[b].normal - s[a].normal).squaredNorm();
+      if (gap >= 1 && gap < 15 && e < best) best = e, nearest[a] = b;
+    }
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> expected;
+  for (std::size_t a = 0; a < s.size(); ++a)
+    if (nearest[a] < s.size() && nearest[a] > a && nearest[nearest[a]] == a) expected.emplace_back(a, nearest[a]);
+  ASSERT_GT(expected.size(), 500u);
+  for (int threads : {1, 3}) {
+    std::vector<std::pair<std::size_t, std::size_t>> found;
+    for (const SurfelMatch& m : mutual_matches(s, kOneMetre, q, threads)) found.emplace_back(m.first, m.second);
+    EXPECT_EQ(found, expected);
+  }
+}
+
+}  // namespace
+}  // namespace rayfield::slam
