@@ -170,7 +170,7 @@ void take_sensors(Section& lidar, Section& spinner, Section& imu, Section& gps, 
   lidar.number("max_range_m", 0.1, 1000, rig.lidar.max_range_m);
   lidar.no_return("no_return", rig.lidar.no_return);
   if (spinner.present()) {
-    rig.spinner.emplace();
+    rig.spinner = Rig::Spinner();
     spinner.text("topic", rig.spinner->topic);
     spinner.text("joint", rig.spinner->joint);
     spinner.direction("axis", rig.spinner->axis);
@@ -181,7 +181,7 @@ void take_sensors(Section& lidar, Section& spinner, Section& imu, Section& gps, 
   imu.number("gyro_bias_rad_s2_sqrt_hz", 1e-12, 10, rig.imu.gyro_bias_rad_s2_sqrt_hz);
   imu.number("accel_bias_m_s3_sqrt_hz", 1e-12, 10, rig.imu.accel_bias_m_s3_sqrt_hz);
   if (gps.present()) {
-    rig.gps.emplace();
+    rig.gps = Rig::Gps();
     gps.text("topic", rig.gps->topic);
   }
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "rayfield/core/parallel.h"
 #include "start.h"
 
 namespace rayfield::slam {
@@ -126,21 +127,33 @@ Result<void> Odometry::start() {
   inertial_covariance_ = sigma.cwiseProduct(sigma).asDiagonal();
   out_.track.rotation = {guess.level_from_imu};
   out_.track.position = {Eigen::Vector3d::Zero()};
+  if (guess.stationary_s == 0) RAYFIELD_CHECK(start_in_motion(last));
   integrate_to(last);
-  if (guess.stationary_s == 0) {
-    std::vector<Surfel> sample;
-    for (const auto& points : pending_) {
-      if (points.empty() || points.back().time_s > options_.window.length_s) break;
-      const auto found = extract_surfels(points, out_.track, options_.surfels);
-      sample.insert(sample.end(), found.begin(), found.end());
-    }
-    out_.start.velocity = search_velocity(sample, out_.track, options_, kMaxStartSpeed);
-    for (int k = 0; k < out_.track.size(); ++k) out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
-  }
   extract_to(options_.window.length_s);
   RAYFIELD_CHECK(solve(0, last, true));
   done_s_ = options_.window.length_s;
   started_ = true;
+  return {};
+}
+
+// Finds the initial velocity, then solves a first stretch that is too short for a wrong tilt to lead it far astray.
+Result<void> Odometry::start_in_motion(int last_sample) {
+  const double bin = options_.surfels.time_bin_s;
+  const double span = bin * std::ceil(3.5 / bin);
+  const int samples = static_cast<int>(std::lround(span / out_.track.step_s));
+  if (samples >= last_sample) return {};
+  integrate_to(samples);
+  std::vector<BodyPoint> points;
+  for (const auto& part : pending_) points.insert(points.end(), part.begin(), part.end());
+  out_.start.velocity = search_velocity(points, out_.track, kMaxStartSpeed, thread_count(options_.threads));
+  for (int k = 0; k < out_.track.size(); ++k)
+    out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
+  extract_to(span);
+  const Matrix8d prior = inertial_covariance_;
+  RAYFIELD_CHECK(solve(0, samples, true));
+  // The first whole window starts from this solution, not from its information: the data are the same.
+  inertial_covariance_ = prior;
+  out_.windows.clear(), out_.inertial.clear();
   return {};
 }
 

@@ -56,6 +56,7 @@ class Odometry {
 
  private:
   Result<void> start();
+  Result<void> start_in_motion(int last_sample);
   Result<void> step(double window_end_s);
   Result<void> last_step();
   void integrate_to(int last_sample);

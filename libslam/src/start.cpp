@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "rayfield/core/parallel.h"
-#include "surfel_match.h"
 
 namespace rayfield::slam {
 namespace {
 
+constexpr double kSearchSpan = 3.5;  // s of points in the search for the initial velocity
 constexpr int kBlock = 50;  // samples of a test block: half a second
 
 struct BlockMoments {
@@ -28,32 +29,43 @@ BlockMoments moments(const ImuGrid& imu, int first, int count) {
   return m;
 }
 
-// Keeps every n-th so that at most `count` are left.
-void thin(std::vector<PlacedSurfel>& surfels, std::size_t count) {
-  const std::size_t stride = surfels.size() / count + 1;
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < surfels.size(); k += stride) surfels[kept++] = surfels[k];
-  surfels.resize(kept);
+struct TimedPoint {
+  Eigen::Vector3f position;  // under zero initial velocity
+  float time_s;
+};
+
+std::uint64_t cell_key(const Eigen::Vector3f& p, float cell_m) {
+  const auto part = [&](float v) {
+    return static_cast<std::uint64_t>(static_cast<int>(std::floor(v / cell_m)) + (1 << 20)) & 0x1fffff;
+  };
+  return (part(p.x()) << 42) | (part(p.y()) << 21) | part(p.z());
 }
 
-// Sum over surfels of the truncated agreement with their matches under an added velocity.
-double agreement(std::span<const PlacedSurfel> base, const Eigen::Vector3f& velocity, const SlamOptions& options) {
-  std::vector<PlacedSurfel> moved(base.begin(), base.end());
-  for (PlacedSurfel& s : moved) s.center += velocity * s.time_s;
-  MatchQuery query;
-  query.radius_voxels = 0.6;
-  query.normal_scale_m = options.match.normal_scale_m;
-  query.min_gap_s = options.match.min_time_gap_s;
-  const auto matches = mutual_matches(moved, options.surfels.voxel_size_m, query, 1);
-  double score = 0;
-  const double scale = 0.06;
-  for (const SurfelMatch& m : matches) {
-    const PlacedSurfel &a = moved[m.first], &b = moved[m.second];
-    const Eigen::Vector3f n = (a.normal + b.normal).normalized();
-    const double e = static_cast<double>((b.center - a.center).dot(n)) / scale;
-    score += 1 / (1 + e * e);
+// Points more than 0.4 m above the lowest one within their 2 m cell: level ground agrees with any velocity.
+std::vector<TimedPoint> above_ground(const std::vector<TimedPoint>& points) {
+  const auto column = [](const TimedPoint& p) { return cell_key({p.position.x(), p.position.y(), 0}, 2.0f); };
+  std::map<std::uint64_t, float> lowest;
+  for (const TimedPoint& p : points) {
+    const auto [it, fresh] = lowest.try_emplace(column(p), p.position.z());
+    if (!fresh) it->second = std::min(it->second, p.position.z());
   }
-  return score;
+  std::vector<TimedPoint> out;
+  for (const TimedPoint& p : points)
+    if (p.position.z() > lowest[column(p)] + 0.4f) out.push_back(p);
+  return out;
+}
+
+// Share of the late points that fall into a cell which an early one has touched.
+double agreement(std::span<const TimedPoint> early, std::span<const TimedPoint> late, const Eigen::Vector3f& velocity,
+                 float cell_m) {
+  std::vector<std::uint64_t> touched;
+  touched.reserve(early.size());
+  for (const TimedPoint& p : early) touched.push_back(cell_key(p.position + velocity * p.time_s, cell_m));
+  std::sort(touched.begin(), touched.end());
+  std::size_t met = 0;
+  for (const TimedPoint& p : late)
+    met += std::binary_search(touched.begin(), touched.end(), cell_key(p.position + velocity * p.time_s, cell_m));
+  return static_cast<double>(met) / static_cast<double>(std::max<std::size_t>(1, late.size()));
 }
 
 }  // namespace
@@ -91,16 +103,23 @@ StartGuess guess_start(const ImuGrid& imu, int samples) {
   return out;
 }
 
-Eigen::Vector3d search_velocity(std::span<const Surfel> surfels, const PoseTrack& track, const SlamOptions& options,
-                                double max_speed) {
-  std::vector<PlacedSurfel> placed = place_surfels(surfels, track, track.position[0], 1);
-  // Level ground agrees with any horizontal velocity: only upright surfaces tell.
-  std::erase_if(placed, [](const PlacedSurfel& s) { return std::abs(s.normal.z()) > 0.7f; });
-  thin(placed, 3000);
+Eigen::Vector3d search_velocity(std::span<const BodyPoint> points, const PoseTrack& track, double max_speed,
+                                int threads) {
+  std::vector<TimedPoint> all;
+  for (const BodyPoint& p : points)
+    if (p.time_s < kSearchSpan && p.position.squaredNorm() < 15.0f * 15.0f)
+      all.push_back({(track.pose(p.time_s) * p.position.cast<double>()).cast<float>(), static_cast<float>(p.time_s)});
+  all = above_ground(all);
+  std::vector<TimedPoint> early, late;
+  const std::size_t stride = all.size() / 8000 + 1;
+  for (std::size_t k = 0; k < all.size(); k += stride) {
+    if (all[k].time_s < 1.5f) early.push_back(all[k]);
+    if (all[k].time_s >= 2.0f) late.push_back(all[k]);
+  }
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
-  // Coarse to fine: the basin of a vineyard's posts is a few decimetres over the two seconds between sweeps.
   double step = 0.15, reach = max_speed;
-  for (int level = 0; level < 3; ++level) {
+  // Coarse to fine: a cell is as wide as a step moves a point over two seconds.
+  for (const float cell_m : {0.3f, 0.2f, 0.12f}) {
     const int n = static_cast<int>(std::ceil(reach / step));
     const std::size_t side = static_cast<std::size_t>(2 * n + 1);
     std::vector<double> score(side * side, -1);
@@ -108,14 +127,13 @@ Eigen::Vector3d search_velocity(std::span<const Surfel> surfels, const PoseTrack
       const double x = (static_cast<double>(k % side) - n) * step, y = (static_cast<double>(k / side) - n) * step;
       return Eigen::Vector3d(best + Eigen::Vector3d(x, y, 0));
     };
-    (void)parallel_for(score.size(), thread_count(options.threads), [&](std::size_t k, int) -> Result<void> {
+    (void)parallel_for(score.size(), threads, [&](std::size_t k, int) -> Result<void> {
       const Eigen::Vector3d v = candidate(k);
-      if (v.head<2>().norm() <= max_speed + step) score[k] = agreement(placed, v.cast<float>(), options);
+      if (v.head<2>().norm() <= max_speed + step) score[k] = agreement(early, late, v.cast<float>(), cell_m);
       return {};
     });
-    const std::size_t winner = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
-    best = candidate(winner);
-    reach = step, step /= 3;
+    best = candidate(static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin()));
+    reach = 2 * step, step /= 3;
   }
   return best;
 }

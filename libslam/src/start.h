@@ -22,10 +22,9 @@ struct StartGuess {
 /// gyro bias from it; without one, roll and pitch from the mean specific force of `samples`.
 StartGuess guess_start(const ImuGrid& imu, int samples);
 
-/// Initial velocity of a drive that did not start at rest: of a grid of horizontal velocities up to `max_speed`, the
-/// one under which most surfels of the first window meet a partner on the same plane. `track` holds the IMU integration
-/// from zero velocity; a constant velocity is added to it.
-Eigen::Vector3d search_velocity(std::span<const Surfel> surfels, const PoseTrack& track, const SlamOptions& options,
-                                double max_speed);
+/// Initial velocity of a drive that did not start at rest: of a grid of horizontal velocities up to `max_speed` (m/s),
+/// the one under which points above the ground seen in the first 1.5 s are seen at the same places 2 s later (a spinner's
+/// period). `track` holds the IMU integration from zero velocity over at least 3.5 s; velocities are added to it.
+Eigen::Vector3d search_velocity(std::span<const BodyPoint> points, const PoseTrack& track, double max_speed, int threads);
 
 }  // namespace rayfield::slam

@@ -19,8 +19,8 @@ using bytes::TemporaryFile;
 
 Rig spinning_rig() {
   Rig rig;
-  rig.spinner.emplace();
-  rig.gps.emplace();
+  rig.spinner = Rig::Spinner();
+  rig.gps = Rig::Gps();
   return rig;
 }
 

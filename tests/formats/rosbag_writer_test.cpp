@@ -146,8 +146,8 @@ struct Collected : SensorSink {
 
 Rig spinning_rig() {
   Rig rig;
-  rig.spinner.emplace();
-  rig.gps.emplace();
+  rig.spinner = Rig::Spinner();
+  rig.gps = Rig::Gps();
   return rig;
 }
 

@@ -36,8 +36,8 @@ std::string connections(const char* lidar_type = kScanType, const char* lidar_md
 
 Rig full_rig() {
   Rig rig;
-  rig.spinner.emplace();
-  rig.gps.emplace();
+  rig.spinner = Rig::Spinner();
+  rig.gps = Rig::Gps();
   return rig;
 }
 

@@ -28,8 +28,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const rayfield::fuzz::MemoryFile file;
   file.set(data, size);
   rayfield::Rig rig;
-  rig.spinner.emplace();
-  rig.gps.emplace();
+  rig.spinner = rayfield::Rig::Spinner();
+  rig.gps = rayfield::Rig::Gps();
   rayfield::formats::LogOptions options;
   options.require_lidar = false;
   options.require_imu = false;

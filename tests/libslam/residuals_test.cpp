@@ -34,14 +34,14 @@ Eigen::VectorXd small_random(int n, unsigned seed, double scale) {
   return x;
 }
 
-struct Setup {
+struct TwoPoses {
   PoseTrack track = bumpy_track();
   ResidualFrame frame;
   int bias_block, blocks;
   std::vector<Eigen::Vector3d> accel, gyro;
   InertialState state;
 
-  Setup() {
+  TwoPoses() {
     frame.track = &track;
     frame.spline = {0.0, 0.2, 10};
     bias_block = frame.spline.knots();
@@ -113,7 +113,7 @@ Eigen::MatrixXd numeric(const std::function<Eigen::VectorXd(const Eigen::VectorX
 }
 
 TEST(GyroResidual, HasTheDerivativeThatDifferencesGive) {
-  const Setup s;
+  const TwoPoses s;
   const BiasWeights bias{{s.bias_block, s.bias_block}, {1, 0}};
   const auto r = gyro_residual(s.frame, bias, s.state, s.gyro, 63, 5);
   const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
@@ -126,7 +126,7 @@ TEST(GyroResidual, HasTheDerivativeThatDifferencesGive) {
 }
 
 TEST(AccelResidual, HasTheDerivativeThatDifferencesGive) {
-  const Setup s;
+  const TwoPoses s;
   const BiasWeights bias{{s.bias_block, s.bias_block}, {1, 0}};
   // Samples 63 … 67: the second differences lie inside one span of the spline (0.6 … 0.8 s), where the second
   // difference of a cubic is its second derivative exactly.
@@ -141,7 +141,7 @@ TEST(AccelResidual, HasTheDerivativeThatDifferencesGive) {
 }
 
 TEST(GpsResidual, HasTheDerivativeThatDifferencesGive) {
-  const Setup s;
+  const TwoPoses s;
   const Eigen::Vector3d arm(-0.4, 0.1, 0.5), fix(1, 2, 3);
   const auto r = gps_residual(s.frame, 0.73, arm, fix);
   const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
@@ -163,7 +163,7 @@ Surfel surfel_at(double time, const Eigen::Vector3f& center, const Eigen::Vector
 }
 
 TEST(SurfelResidual, HasTheDerivativeThatDifferencesGiveWithTheNormalHeld) {
-  const Setup s;
+  const TwoPoses s;
   const Surfel a = surfel_at(0.33, {2, 1, -1}, {-1, -0.3f, 0.2f}),
                b = surfel_at(1.47, {1.5f, -0.5f, -1.2f}, {-1, 0.2f, 0.1f});
   const auto r = surfel_residual(s.frame, a, b);
