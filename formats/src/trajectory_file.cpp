@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -107,7 +108,7 @@ Result<void> write_trajectory(const std::string& path, const Trajectory& traject
   text += "# position: easting northing height, m; orientation: frame relative to grid east, north, up\n";
   text += "# t x y z qx qy qz qw\n";
   RAYFIELD_CHECK(file.write(text));
-  double last_s = -INFINITY;
+  double last_s = -std::numeric_limits<double>::infinity();
   for (const TimedPose& pose : trajectory.poses) {
     const Eigen::Vector3d& p = pose.map_from_body.translation;
     const Eigen::Quaterniond& q = pose.map_from_body.rotation;

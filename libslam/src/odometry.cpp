@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +16,22 @@ namespace {
 constexpr double kGravity = 9.80665;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
 constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
+
+// Takes the best quadratic in time out of the positions: what is left of an integration whose tilt, bias and initial
+// velocity are unknown is the shaking of the vehicle.
+void remove_quadratic(PoseTrack& track) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), right = Eigen::Matrix3d::Zero();
+  const auto basis = [&track](int k) {
+    const double t = k * track.step_s;
+    return Eigen::Vector3d(1, t, t * t);
+  };
+  for (int k = 0; k < track.size(); ++k) {
+    normal += basis(k) * basis(k).transpose();
+    right += basis(k) * track.position[k].transpose();
+  }
+  const Eigen::Matrix3d coefficients = normal.ldlt().solve(right);
+  for (int k = 0; k < track.size(); ++k) track.position[k] -= coefficients.transpose() * basis(k);
+}
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -143,6 +160,7 @@ Result<void> Odometry::start_in_motion(int last_sample) {
   const int samples = static_cast<int>(std::lround(span / out_.track.step_s));
   if (samples >= last_sample) return {};
   integrate_to(samples);
+  remove_quadratic(out_.track);
   std::vector<BodyPoint> points;
   for (const auto& part : pending_) points.insert(points.end(), part.begin(), part.end());
   out_.start.velocity = search_velocity(points, out_.track, kMaxStartSpeed, thread_count(options_.threads));

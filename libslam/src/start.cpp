@@ -116,6 +116,10 @@ Eigen::Vector3d search_velocity(std::span<const BodyPoint> points, const PoseTra
     if (all[k].time_s < 1.5f) early.push_back(all[k]);
     if (all[k].time_s >= 2.0f) late.push_back(all[k]);
   }
+  // The vehicle climbs with the slope it stands on: velocities lie in the plane of its floor, headed by the first pose.
+  Eigen::Vector3d floor_normal = Eigen::Vector3d::Zero();
+  for (const Eigen::Quaterniond& q : track.rotation) floor_normal += q * Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond floor = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), floor_normal);
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   double step = 0.15, reach = max_speed;
   // Coarse to fine: a cell is as wide as a step moves a point over two seconds.
@@ -129,13 +133,13 @@ Eigen::Vector3d search_velocity(std::span<const BodyPoint> points, const PoseTra
     };
     (void)parallel_for(score.size(), threads, [&](std::size_t k, int) -> Result<void> {
       const Eigen::Vector3d v = candidate(k);
-      if (v.head<2>().norm() <= max_speed + step) score[k] = agreement(early, late, v.cast<float>(), cell_m);
+      if (v.norm() <= max_speed + step) score[k] = agreement(early, late, (floor * v).cast<float>(), cell_m);
       return {};
     });
     best = candidate(static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin()));
     reach = 2 * step, step /= 3;
   }
-  return best;
+  return floor * best;
 }
 
 }  // namespace rayfield::slam

@@ -22,9 +22,10 @@ struct StartGuess {
 /// gyro bias from it; without one, roll and pitch from the mean specific force of `samples`.
 StartGuess guess_start(const ImuGrid& imu, int samples);
 
-/// Initial velocity of a drive that did not start at rest: of a grid of horizontal velocities up to `max_speed` (m/s),
-/// the one under which points above the ground seen in the first 1.5 s are seen at the same places 2 s later (a spinner's
-/// period). `track` holds the IMU integration from zero velocity over at least 3.5 s; velocities are added to it.
+/// Velocity of a drive that did not start at rest, m/s in the levelled frame of the track: of a grid of velocities in the
+/// plane of the vehicle, up to `max_speed`, the one under which points above the ground seen in the first 1.5 s are seen
+/// at the same places 2 s later (a spinner's period). `track` holds the vehicle's motion over at least 3.5 s up to a
+/// constant velocity, which is added to it.
 Eigen::Vector3d search_velocity(std::span<const BodyPoint> points, const PoseTrack& track, double max_speed, int threads);
 
 }  // namespace rayfield::slam

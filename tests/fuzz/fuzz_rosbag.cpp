@@ -8,7 +8,7 @@ namespace {
 
 /// The promises of read_log() on what it delivers.
 struct Checker : rayfield::SensorSink {
-  double last_imu_s = -INFINITY;
+  double last_imu_s = -1;  // stamps count from 1970
   void imu(const rayfield::ImuSample& sample) override {
     if (!sample.angular_velocity_rad_s.allFinite() || sample.time_s <= last_imu_s) std::abort();
     last_imu_s = sample.time_s;

@@ -49,6 +49,7 @@ TEST(Stretches, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
     scene.add_point({p.x(), p.y(), 100 + scene.uniform(0.3, 1.8)});
   }
   StretchOptions options;
+  options.voxel_m = 0.12;
   options.widen_voxels = 0;
   const CanopyProfile profile = testing::profile_of(scene.tiles(), layout, ground, options);
   const auto extents = row_extents(layout, profile, options);
@@ -89,7 +90,8 @@ TEST(Stretches, CoverTheRowWithoutGapsAndFollowItsCurve) {
   block.radius_m = 60, block.length_m = 40;
   const RowLayout layout = two_rows(block, 2.5);
   const GroundModel ground = exact_ground([](double, double) { return 100.0; });
-  const auto list = make_stretches(layout, ground, {}, {});
+  const StretchOptions options{.voxel_m = 0.12, .voxels_per_stretch = 25};
+  const auto list = make_stretches(layout, ground, {}, options);
   ASSERT_TRUE(list);
   EXPECT_TRUE(list->warnings.empty());
   for (const Row& row : layout.rows) {
