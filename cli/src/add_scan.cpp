@@ -10,6 +10,7 @@
 #include "drive_log.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/core/sha256.h"
+#include "rayfield/density/missing_rays.h"
 #include "rayfield/formats/formats.h"
 
 namespace rayfield::cli {
@@ -136,7 +137,9 @@ Result<tile::AddReport> add_scan(tile::Store& store, const ScanInputs& inputs, t
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts));
-  Result<tile::AddReport> report = store.add(rays, options, progress);
+  RAYFIELD_ASSIGN(const auto restored, density::MissingRaySource::create(rays, {}));
+  RaySource& source = inputs.restore_missing ? static_cast<RaySource&>(*restored) : rays;
+  Result<tile::AddReport> report = store.add(source, options, progress);
   if (!report && report.error().code == ErrorCode::bad_input)
     for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
   return report;

@@ -15,6 +15,7 @@ struct ScanInputs {
   std::vector<std::filesystem::path> files;  ///< ray clouds (raycloudtools PLY) and logs, in the order of their times
   std::string rig_file;                      ///< for the logs
   bool allow_truncated = false;              ///< take what is there of a cloud that was cut short
+  bool restore_missing = false;              ///< put back the downward rays without a return that clouds leave out
 };
 
 /// Adds clouds and logs (which are registered first) to a store as one scan. `options.inputs` is filled here.

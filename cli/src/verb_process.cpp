@@ -13,11 +13,16 @@ struct ProcessArguments {
   std::string store;
   density::ProcessOptions options;
   double panel_length_m = 0;
+  std::optional<double> voxel_m;
   std::string estimator = "unbiased", leaf_angles = "spherical";
 };
 
 Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, const Context& context) {
   density::ProcessOptions options = arguments.options;
+  if (arguments.voxel_m) {
+    options.stretches = density::with_voxel_size(options.stretches, *arguments.voxel_m);
+    options.voxel_fit.enabled = false;
+  }
   if (arguments.panel_length_m > 0) options.posts.panel_length_m = arguments.panel_length_m;
   RAYFIELD_ASSIGN(options.estimator.estimator, density::parse_estimator(arguments.estimator));
   RAYFIELD_ASSIGN(options.voxels.leaf_angles.type, density::parse_leaf_angle_type(arguments.leaf_angles));
@@ -54,12 +59,13 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
                                      {"rays", scan.rays},
                                      {"plant_area_m2", scan.plant_area_m2},
                                      {"leaf_size_cm2", 1e4 * scan.element_area_m2},
+                                     {"voxel_m", scan.voxel_m},
                                      {"files_made", scan.files_made},
                                      {"files_kept", scan.files_kept},
                                      {"notes", scan.notes}});
-    outcome.text +=
-        fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm²{}\n", scan.scan_id, scan.plant_area_m2,
-                    1e4 * scan.element_area_m2, scan.files_made == 0 ? " (unchanged)" : "");
+    outcome.text += fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
+                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.element_area_m2, 100 * scan.voxel_m,
+                                scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }
   if (context.options.verbose > 0)
@@ -77,7 +83,8 @@ void add_process_verb(Commands& commands) {
   density::ProcessOptions& options = arguments->options;
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("--date", options.dates, "Only these dates or scans (default: all)");
-  command->add_option("--voxel-size", options.stretches.voxel_m, "Side of a voxel, m")->capture_default_str();
+  command->add_option("--voxel-size", arguments->voxel_m,
+                      "Side of a voxel, m (default: fitted to the leaves, 0.08 to 0.12)");
   command->add_option("--estimator", arguments->estimator, "unbiased, or paper (the published method)")
       ->capture_default_str();
   command

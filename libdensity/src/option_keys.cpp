@@ -45,7 +45,11 @@ KeyBuilder& add_options(KeyBuilder& key, const StretchOptions& o) {
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const VoxelOptions& o) {
-  return add_numbers(key, {static_cast<double>(o.leaf_angles.type), o.leaf_angles.ellipsoid_ratio, o.wood_shell_m});
+  return add_numbers(key, {static_cast<double>(o.leaf_angles.type), o.leaf_angles.ellipsoid_ratio, o.wood_shell_m, o.sure_return_m, o.slope_margin});
+}
+
+KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& o) {
+  return add_numbers(key, {o.leaf_sides, o.min_m, o.max_m, static_cast<double>(o.every_chunk)});
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const EstimatorOptions& o) {

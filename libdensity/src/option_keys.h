@@ -13,6 +13,7 @@ KeyBuilder& add_options(KeyBuilder& key, const RowOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const PostOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const StretchOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const VoxelOptions& options);
+KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const EstimatorOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const IntegrationOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const PlanRasterOptions& options);

@@ -21,7 +21,9 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   work.layout_key = block.key;
 
   const std::vector<WoodCylinder> wood = wood_of(block.layout, surveyed.ground);
-  RAYFIELD_ASSIGN(const StretchList stretches, cut_stretches(work, block.layout, surveyed.ground));
+  RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, block.layout, surveyed.ground));
+  RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, block.layout, surveyed.ground, profile, wood));
+  RAYFIELD_ASSIGN(const StretchList stretches, cut_stretches(work, block.layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(const auto tiles, count_voxels(work, stretches, wood));
   ScanReport report;
   report.scan_id = scan.scan_id;
@@ -30,12 +32,21 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   for (const PanelValue& value : results.panel_values)
     if (std::isfinite(value.plant_area_m2)) report.plant_area_m2 += value.plant_area_m2;
   report.element_area_m2 = results.element_area_m2;
+  report.voxel_m = voxel_m;
   RAYFIELD_CHECK(files.finish());
   report.files_made = files.total().made, report.files_kept = files.total().kept;
   return report;
 }
 
 }  // namespace
+
+Result<void> VoxelFitOptions::validate() const {
+  const bool good = leaf_sides >= 0.5 && leaf_sides <= 5 && min_m >= 0.03 && max_m >= min_m && max_m <= 0.3 &&
+                    every_chunk >= 1 && every_chunk <= 1000;
+  if (good) return {};
+  return fail(ErrorCode::usage, "cannot fit the voxels", "voxel_fit", "a value is out of range",
+              "see rayfield/density/process.h for the ranges");
+}
 
 Result<void> ProcessOptions::validate() const {
   RAYFIELD_CHECK(survey.validate());
@@ -44,6 +55,7 @@ Result<void> ProcessOptions::validate() const {
   RAYFIELD_CHECK(rows.validate());
   RAYFIELD_CHECK(posts.validate());
   RAYFIELD_CHECK(stretches.validate());
+  RAYFIELD_CHECK(voxel_fit.validate());
   RAYFIELD_CHECK(voxels.validate());
   RAYFIELD_CHECK(estimator.validate());
   RAYFIELD_CHECK(integration.validate());

@@ -2,16 +2,18 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "option_keys.h"
 #include "rayfield/core/parallel.h"
+#include "rayfield/density/layout_arrays.h"
 
 namespace rayfield::density {
 namespace {
 
 // Raised whenever the code of a stage computes something else from the same input.
-constexpr int kSurveyVersion = 1, kGroundVersion = 1, kProfileVersion = 1;
+constexpr int kSurveyVersion = 1, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
 
 // Tiles within `reach_m` of a tile, itself among them.
 std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex index, double tile_size_m,
@@ -128,28 +130,40 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   return found;
 }
 
-Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground) {
-  KeyBuilder key("stretches", kProfileVersion);
+Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground) {
+  KeyBuilder key("profile", kProfileVersion);
   add_options(key, work.options.stretches).add(work.layout_key);
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
-  RAYFIELD_ASSIGN(
-      const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), [&]() -> Result<tile::ArraySet> {
-        CanopyProfile profile;
-        work.progress.stage(fmt::format("{}: canopy extents", work.scan.scan_id), work.scan.ray_count, "rays");
-        for (const tile::TileEntry& entry : work.scan.tiles) {
-          RAYFIELD_CHECK(check_cancelled(work.progress));
-          RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-          RAYFIELD_ASSIGN(const CanopyProfile here,
-                          canopy_profile_of_tile(reader, entry.index, work.tile_size_m(), layout, ground,
-                                                 work.options.stretches, work.threads));
-          add_profile(profile, here);
-          work.progress.advance(entry.start_count);
-        }
-        RAYFIELD_ASSIGN(const StretchList list, make_stretches(layout, ground, profile, work.options.stretches));
-        for (const std::string& warning : list.warnings) work.progress.warn(warning);
-        return stretches_to_arrays(list);
-      }));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    CanopyProfile profile;
+    work.progress.stage(fmt::format("{}: canopy extents", work.scan.scan_id), work.scan.ray_count, "rays");
+    for (const tile::TileEntry& entry : work.scan.tiles) {
+      RAYFIELD_CHECK(check_cancelled(work.progress));
+      RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+      RAYFIELD_ASSIGN(const CanopyProfile here, canopy_profile_of_tile(reader, entry.index, work.tile_size_m(), layout,
+                                                                       ground, work.options.stretches, work.threads));
+      add_profile(profile, here);
+      work.progress.advance(entry.start_count);
+    }
+    return profile_to_arrays(profile);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("profile", "block", key.hex(), make));
+  return profile_from_arrays(arrays);
+}
+
+Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                  const CanopyProfile& profile, double voxel_m) {
+  const StretchOptions options = with_voxel_size(work.options.stretches, voxel_m);
+  KeyBuilder key("stretches", kStretchesVersion);
+  add_options(key, options).add(work.layout_key).add(work.files.sha256("profile", "block"));
+  for (const tile::TileEntry& entry : work.scan.tiles) key.add(work.files.sha256("ground", tile_name(entry.index)));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_ASSIGN(const StretchList list, make_stretches(layout, ground, profile, options));
+    for (const std::string& warning : list.warnings) work.progress.warn(warning);
+    return stretches_to_arrays(list);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), make));
   return stretches_from_arrays(arrays);
 }
 

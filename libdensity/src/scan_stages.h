@@ -41,8 +41,24 @@ struct FoundLayout {
 };
 Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed);
 
-/// The voxel grids of the scan's rows.
-Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground);
+/// Hits across and above the rows (kind "profile"): where the canopy ends.
+Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground);
+
+/// Side of the scan's voxels, m: as given, or fitted to the leaves that a sample of the rays shows (kind "voxelsize").
+Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                 const CanopyProfile& profile, std::span<const WoodCylinder> wood);
+
+/// The voxel grids of the scan's rows (kind "stretches").
+Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                  const CanopyProfile& profile, double voxel_m);
+
+/// What can be met in one tile.
+struct TileScene {
+  std::vector<Stretch> stretches;
+  std::vector<WoodCylinder> wood;
+};
+TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
+                   std::span<const WoodCylinder> wood);
 
 /// Counts rays in the voxels of every tile that a stretch touches; the counters stay in the store (kind "voxels").
 /// Returns the tiles that have any, in order.
@@ -51,7 +67,7 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchL
 
 /// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster").
 Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                              const StretchList& stretches, std::span<const WoodCylinder> wood,
-                              std::span<const tile::TileIndex> tiles);
+                                   const StretchList& stretches, std::span<const WoodCylinder> wood,
+                                   std::span<const tile::TileIndex> tiles);
 
 }  // namespace rayfield::density

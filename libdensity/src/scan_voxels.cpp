@@ -34,26 +34,6 @@ void add_wood(KeyBuilder& key, const WoodCylinder& w) {
                               w.axis.z(), w.radius_m, w.length_m});
 }
 
-// What can be met in one tile.
-struct TileScene {
-  std::vector<Stretch> stretches;
-  std::vector<WoodCylinder> wood;
-};
-
-TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
-                   std::span<const WoodCylinder> wood) {
-  const Eigen::Vector2d low(index.ix * tile_size_m, index.iy * tile_size_m);
-  Eigen::AlignedBox2d square(Eigen::Vector2d(low.array() - margin_m),
-                             Eigen::Vector2d(low.array() + tile_size_m + margin_m));
-  TileScene scene;
-  for (const Stretch& stretch : list.stretches)
-    if (square.intersects(bounds_of(stretch))) scene.stretches.push_back(stretch);
-  for (const WoodCylinder& cylinder : wood)
-    if (square.exteriorDistance(Eigen::Vector2d(cylinder.base.head<2>())) < cylinder.length_m)
-      scene.wood.push_back(cylinder);
-  return scene;
-}
-
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   const std::size_t chunks = reader.chunk_count();
@@ -73,6 +53,20 @@ Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, Voxe
 }
 
 }  // namespace
+
+TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
+                   std::span<const WoodCylinder> wood) {
+  const Eigen::Vector2d low(index.ix * tile_size_m, index.iy * tile_size_m);
+  Eigen::AlignedBox2d square(Eigen::Vector2d(low.array() - margin_m),
+                             Eigen::Vector2d(low.array() + tile_size_m + margin_m));
+  TileScene scene;
+  for (const Stretch& stretch : list.stretches)
+    if (square.intersects(bounds_of(stretch))) scene.stretches.push_back(stretch);
+  for (const WoodCylinder& cylinder : wood)
+    if (square.exteriorDistance(Eigen::Vector2d(cylinder.base.head<2>())) < cylinder.length_m)
+      scene.wood.push_back(cylinder);
+  return scene;
+}
 
 Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
                                                   std::span<const WoodCylinder> wood) {

@@ -151,7 +151,8 @@ Circle fit_circle(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& st
 }
 
 // Fits the axis to the centres of mass of the low slabs, then follows it upwards while hits stand out on it.
-void follow_up(const StemGrid& g, const Zone& zone, const Circle& circle, const PostOptions& options, GridStem& stem) {
+void follow_up(const StemGrid& g, const Zone& zone, const Circle& circle, double low_hits, const PostOptions& options,
+               GridStem& stem) {
   const double middle = 0.5 * (zone.first + zone.end) * g.slab_m;
   double sw = 1e-9, sh = 0, shh = 0;
   Eigen::Vector2d sp = Eigen::Vector2d::Zero(), shp = Eigen::Vector2d::Zero();
@@ -179,7 +180,7 @@ void follow_up(const StemGrid& g, const Zone& zone, const Circle& circle, const 
   for (int slab = zone.end; slab < g.n_slabs && missing < 3; ++slab) {
     const double h = (slab + 0.5) * g.slab_m - middle;
     const Contrast here = contrast_at(g, centre + lean * h, radius, slab);
-    const bool on = here.on >= 2 && here.ratio() >= 1.5;
+    const bool on = here.on >= std::max(2.0, 0.4 * low_hits) && here.ratio() >= 1.5;
     missing = on ? 0 : missing + 1;
     if (on) top = slab + 1;
     if (here.on >= 2 && here.ratio() >= options.min_contrast) take(slab);
@@ -214,25 +215,33 @@ UpperPart find_upper(const StemGrid& g, const PostOptions& options, double low_h
   return best;
 }
 
-// Puts the axis through the centre of mass of the low zone and that of the upper part.
+// Puts the axis through the circle's centre in the low zone and that of a circle of the same radius in the upper part
+// (Gauss-Newton on Σ w(|p−c|−R)², Tukey weights: leaves beside the post do not pull).
 void straighten(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& low_centre, const UpperPart& upper,
                 GridStem& stem) {
+  constexpr double kTukey = 0.04;  // m
   const double low_h = 0.5 * (zone.first + zone.end) * g.slab_m, high_h = (upper.slab + 1) * g.slab_m;
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    double weight = 0;
-    for (int slab = upper.slab; slab < upper.slab + 2; ++slab)
-      for_cells_near(g, stem.foot + stem.lean * high_h, stem.radius_m + kSkin,
-                     [&](int a, int c, const Eigen::Vector2d& d) {
-                       const double n = g.column(a, c)[static_cast<std::size_t>(slab)];
-                       sum += n * d, weight += n;
-                     });
-    if (weight < 1) return;
-    const Eigen::Vector2d high_centre = stem.foot + stem.lean * high_h + sum / weight;
-    stem.lean = (high_centre - low_centre) / (high_h - low_h);
-    if (stem.lean.norm() > 0.2) stem.lean *= 0.2 / stem.lean.norm();
-    stem.foot = low_centre - stem.lean * low_h;
+  Eigen::Vector2d centre = stem.foot + stem.lean * high_h;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Identity() * 1e-3;
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for_cells_near(g, centre, stem.radius_m + kTukey, [&](int a, int c, const Eigen::Vector2d& d) {
+      const double residual = d.norm() - stem.radius_m, share = residual / kTukey;
+      const auto column = g.column(a, c);
+      const double n = column[static_cast<std::size_t>(upper.slab)] + column[static_cast<std::size_t>(upper.slab + 1)];
+      if (n <= 0 || std::abs(share) >= 1 || d.norm() < 1e-4) return;
+      const double w = n * (1 - share * share) * (1 - share * share);
+      const Eigen::Vector2d row = -d / d.norm();
+      normal += w * row * row.transpose();
+      right -= w * residual * row;
+    });
+    Eigen::Vector2d step = normal.ldlt().solve(right);
+    if (step.norm() > 0.01) step *= 0.01 / step.norm();
+    centre += step;
   }
+  stem.lean = (centre - low_centre) / (high_h - low_h);
+  if (stem.lean.norm() > 0.2) stem.lean *= 0.2 / stem.lean.norm();
+  stem.foot = low_centre - stem.lean * low_h;
 }
 
 // The height at which hits on the axis end: the part of the last slab follows from its hits relative to a full one.
@@ -286,7 +295,7 @@ std::vector<GridStem> find_stems(const StemGrid& grid, const PostOptions& option
     stem.contrast = low.ratio();
     if (stem.contrast < options.min_contrast) continue;
     const double low_hits = std::max(1.0, low.on / (zone.end - zone.first));
-    follow_up(grid, zone, circle, options, stem);
+    follow_up(grid, zone, circle, low_hits, options, stem);
     UpperPart upper = find_upper(grid, options, low_hits, stem);
     if (upper.share > 0.5) {
       straighten(grid, zone, circle.centre, upper, stem);

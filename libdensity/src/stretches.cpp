@@ -165,4 +165,13 @@ Result<StretchList> make_stretches(const RowLayout& layout, const GroundModel& g
   return out;
 }
 
+StretchOptions with_voxel_size(const StretchOptions& options, double voxel_m) {
+  StretchOptions changed = options;
+  changed.voxel_m = voxel_m;
+  if (!(voxel_m > 0)) return changed;  // refused by validate()
+  changed.voxels_per_stretch =
+      std::max(4, static_cast<int>(std::lround(options.voxels_per_stretch * options.voxel_m / voxel_m)));
+  return changed;
+}
+
 }  // namespace rayfield::density

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "georeference.h"
+
 namespace rayfield::slam {
 namespace {
 
@@ -62,7 +64,14 @@ void DriveInput::accept(const ImuSample& sample) {
   if (odometry_) odometry_->add(sample);
 }
 
-void DriveInput::gps(const GpsFix& fix) { fixes_.push_back(fix); }
+void DriveInput::gps(const GpsFix& fix) {
+  fixes_.push_back(fix);
+  if (!rig_.gps || !odometry_ || !usable_fix(fix)) return;
+  const Eigen::Vector3d geodetic(fix.latitude_deg, fix.longitude_deg, fix.height_m);
+  if (!start_plane_) start_plane_.emplace(geodetic);
+  odometry_->add_fix(fix.time_s + rig_.gps_offset_s - odometry_->imu().epoch_s(),
+                     start_plane_->enu_from_geodetic(geodetic));
+}
 
 void DriveInput::spinner(const SpinnerAngle& angle) {
   ++angles_;

@@ -8,6 +8,7 @@
 #include "imu_grid.h"
 #include "lidar_assembler.h"
 #include "odometry.h"
+#include "rayfield/core/map_frame.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/core/sensor_log.h"
 
@@ -54,6 +55,7 @@ class DriveInput : public SensorSink {
   std::optional<Drive> best_;
   std::optional<Error> error_;
   std::vector<GpsFix> fixes_;
+  std::optional<TangentPlane> start_plane_;
   std::vector<std::string> warnings_;
   std::uint64_t imu_count_ = 0, imu_invalid_ = 0, imu_late_ = 0, imu_stray_ = 0, angles_ = 0, scans_ = 0;
   std::uint64_t points_ = 0, hits_ = 0;

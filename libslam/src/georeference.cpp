@@ -10,12 +10,6 @@ namespace {
 constexpr double kUnknownSigma = 2.0;  // m, of a fix that does not state its own
 constexpr double kFrameStep = 50.0;    // m between evaluations of the map's Jacobian
 
-bool usable(const GpsFix& f) {
-  return f.status >= 0 && std::isfinite(f.time_s) && std::isfinite(f.latitude_deg) && std::isfinite(f.longitude_deg) &&
-         std::isfinite(f.height_m) && std::abs(f.latitude_deg) <= 90 && std::abs(f.longitude_deg) <= 360 &&
-         (f.latitude_deg != 0 || f.longitude_deg != 0);
-}
-
 double sigma_of(const GpsFix& f, double variance, const GpsOptions& options) {
   const bool stated = f.covariance_type != 0 && variance > 1e-8 && variance < 1e4;
   return std::max(options.min_sigma_m, stated ? std::sqrt(variance) : kUnknownSigma);
@@ -29,13 +23,19 @@ Eigen::Quaterniond rotation_of(const Eigen::Matrix3d& jacobian) {
 
 }  // namespace
 
+bool usable_fix(const GpsFix& f) {
+  return f.status >= 0 && std::isfinite(f.time_s) && std::isfinite(f.latitude_deg) && std::isfinite(f.longitude_deg) &&
+         std::isfinite(f.height_m) && std::abs(f.latitude_deg) <= 90 && std::abs(f.longitude_deg) <= 360 &&
+         (f.latitude_deg != 0 || f.longitude_deg != 0);
+}
+
 GpsTrack collect_fixes(std::span<const GpsFix> fixes, const Rig& rig, double start_s, double end_s, double epoch_s,
                        const GpsOptions& options) {
   GpsTrack out;
   std::vector<GpsFix> kept;
   std::vector<double> latitude, longitude, height;
   for (GpsFix f : fixes) {
-    if (!usable(f)) {
+    if (!usable_fix(f)) {
       ++out.invalid;
       continue;
     }

@@ -13,6 +13,10 @@
 
 namespace rayfield::slam {
 
+/// Whether a message holds a position: a fix, finite, within the range of coordinates, not the zero that some drivers
+/// send before the first fix.
+bool usable_fix(const GpsFix& fix);
+
 /// Fixes of a drive in a tangent plane at their median, and what was refused.
 struct GpsTrack {
   std::optional<TangentPlane> plane;

@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "motion_search.h"
 #include "rayfield/core/parallel.h"
 #include "start.h"
 
@@ -16,22 +16,6 @@ namespace {
 constexpr double kGravity = 9.80665;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
 constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
-
-// Takes the best quadratic in time out of the positions: what is left of an integration whose tilt, bias and initial
-// velocity are unknown is the shaking of the vehicle.
-void remove_quadratic(PoseTrack& track) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), right = Eigen::Matrix3d::Zero();
-  const auto basis = [&track](int k) {
-    const double t = k * track.step_s;
-    return Eigen::Vector3d(1, t, t * t);
-  };
-  for (int k = 0; k < track.size(); ++k) {
-    normal += basis(k) * basis(k).transpose();
-    right += basis(k) * track.position[k].transpose();
-  }
-  const Eigen::Matrix3d coefficients = normal.ldlt().solve(right);
-  for (int k = 0; k < track.size(); ++k) track.position[k] -= coefficients.transpose() * basis(k);
-}
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -60,6 +44,10 @@ void Odometry::add(const BodyScan& scan) {
     const Eigen::Vector3d p = scan.origin[k] + static_cast<double>(scan.range_m[k]) * scan.direction[k];
     pending_[static_cast<std::size_t>(index)].push_back({time, p.cast<float>(), scan.spin_rate_rad_s[k]});
   }
+}
+
+void Odometry::add_fix(double time_s, const Eigen::Vector3d& enu) {
+  if (!started_ && (first_fixes_.empty() || time_s > first_fixes_.back().first)) first_fixes_.emplace_back(time_s, enu);
 }
 
 void Odometry::integrate_to(int last_sample) {
@@ -153,25 +141,24 @@ Result<void> Odometry::start() {
   return {};
 }
 
-// Finds the initial velocity, then solves a first stretch that is too short for a wrong tilt to lead it far astray.
+// Finds the initial motion, then solves a first stretch that is too short for a wrong tilt to lead it far astray.
 Result<void> Odometry::start_in_motion(int last_sample) {
-  const double bin = options_.surfels.time_bin_s;
-  const double span = bin * std::ceil(3.5 / bin);
-  const int samples = static_cast<int>(std::lround(span / out_.track.step_s));
-  if (samples >= last_sample) return {};
-  integrate_to(samples);
-  remove_quadratic(out_.track);
+  integrate_to(last_sample);
+  PoseTrack& track = out_.track;
+  std::vector<std::pair<double, Eigen::Vector3d>> integrated;
+  for (int k = 0; k < track.size(); ++k) integrated.emplace_back(k * track.step_s, track.position[k]);
+  const QuadraticMotion unknown = fit_quadratic(integrated);
+  for (int k = 0; k < track.size(); ++k) track.position[k] -= quadratic_at(unknown, k * track.step_s);
   std::vector<BodyPoint> points;
   for (const auto& part : pending_) points.insert(points.end(), part.begin(), part.end());
-  out_.start.velocity = search_velocity(points, out_.track, kMaxStartSpeed, thread_count(options_.threads));
-  for (int k = 0; k < out_.track.size(); ++k)
-    out_.track.position[k] += k * out_.track.step_s * out_.start.velocity;
-  extract_to(span);
-  const Matrix8d prior = inertial_covariance_;
-  RAYFIELD_CHECK(solve(0, samples, true));
-  // The first whole window starts from this solution, not from its information: the data are the same.
-  inertial_covariance_ = prior;
-  out_.windows.clear(), out_.inertial.clear();
+  std::erase_if(first_fixes_, [&](const auto& f) { return f.first < 0 || f.first > track.end_s(); });
+  std::optional<QuadraticMotion> gps;
+  if (first_fixes_.size() >= 10 && first_fixes_.back().first - first_fixes_.front().first > 0.6 * track.end_s())
+    gps = fit_quadratic(first_fixes_);
+  const QuadraticMotion motion =
+      search_motion(points, track, gps, rig_.imu_from_gps_m, kMaxStartSpeed, thread_count(options_.threads));
+  out_.start.velocity = motion.row(1).transpose();
+  for (int k = 0; k < track.size(); ++k) track.position[k] += quadratic_at(motion, k * track.step_s);
   return {};
 }
 

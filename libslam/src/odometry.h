@@ -46,6 +46,10 @@ class Odometry {
   void add(const ImuSample& sample) { imu_.add(sample); }
   void add(const BodyScan& scan);
 
+  /// A fix (seconds after the epoch, any tangent plane), used to find the motion of a drive that does not start at
+  /// rest.
+  void add_fix(double time_s, const Eigen::Vector3d& enu);
+
   /// Solves every window whose data are complete; with `flush` all that is left.
   Result<void> advance(bool flush);
 
@@ -70,8 +74,9 @@ class Odometry {
   double done_s_ = 0;        // the trajectory is solved up to here
   double lidar_end_s_ = -1;  // time of the newest point
   std::int64_t extracted_bins_ = 0;
-  std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
-  std::vector<std::size_t> bin_begin_;           // index of the first surfel of each bin
+  std::vector<std::vector<BodyPoint>> pending_;                  // points by bin, from bin extracted_bins_ on
+  std::vector<std::size_t> bin_begin_;                           // index of the first surfel of each bin
+  std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until the drive has started
   InertialState state_;
   Matrix8d inertial_covariance_ = Matrix8d::Identity();
   OdometryResult out_;

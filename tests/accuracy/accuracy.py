@@ -202,6 +202,7 @@ def main():
     parser.add_argument("out")
     parser.add_argument("sites", nargs="+")
     parser.add_argument("--json")
+    parser.add_argument("--restore-missing", action="store_true", help="add scans with --restore-missing")
     parser.add_argument("--reuse", action="store_true", help="keep simulations that are there")
     arguments = parser.parse_args()
     everything, bad = {}, False
@@ -220,7 +221,8 @@ def main():
         for scan in scans:
             date, _, label = os.path.basename(scan).partition("_")
             added = run(arguments.rayfield, "add", f"{folder}/block", f"{scan}/rays.ply", "--date", date,
-                        *(["--name", label] if label else []), "--json", "-q")
+                        *(["--name", label] if label else []),
+                        *(["--restore-missing"] if arguments.restore_missing else []), "--json", "-q")
             ids.append(added["scan_id"])
         run(arguments.rayfield, "process", f"{folder}/block", "-q")
         run(arguments.rayfield, "export", f"{folder}/block", "-o", f"{folder}/maps", "-q")

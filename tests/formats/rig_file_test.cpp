@@ -144,6 +144,7 @@ TEST(RigFile, RefusesValuesOfTheWrongKindOrRange) {
   EXPECT_THAT(error_line(replaced("{ xyz = [-0.42, 0.11, 0.55] }", "[1, 2, 3]")), HasSubstr("must be a table"));
   EXPECT_THAT(error_line("lidar = 5\n"), HasSubstr("line 1: lidar: must be a table"));
   EXPECT_THAT(error_line("[lidar\n"), HasSubstr("rig.toml, line 1"));
+  EXPECT_THAT(error_line(std::string("[lidar]\n[\0\x05", 11)), HasSubstr("rig.toml, line 2: a control character"));
 }
 
 TEST(RigFile, AssumesNothingAboutTheMounting) {

@@ -88,8 +88,7 @@ TEST(Integrate, SectionsAddUpToTheRow) {
   double side = 0, end = 0;
   const SectionProduct from_side = side_view(row), from_end = end_on_section(row, 4.8);
   for (const float v : from_side.grid.values) side += static_cast<double>(v) * row.voxel_m * row.voxel_m;
-  for (const float v : from_end.grid.values)
-    end += static_cast<double>(v) * row.voxel_m * row.voxel_m * 4.8;
+  for (const float v : from_end.grid.values) end += static_cast<double>(v) * row.voxel_m * row.voxel_m * 4.8;
   EXPECT_NEAR(side, direct_sum(row), 1e-5 * side);
   EXPECT_NEAR(end, direct_sum(row), 1e-5 * end);
 }

@@ -21,6 +21,18 @@
 
 namespace rayfield::density {
 
+/// Voxels fitted to the leaves (docs/density.md, "Voxel size"): a leaf that fills a voxel cannot be told from a dense
+/// one, and uneven density inside a large voxel is underestimated. The side is `leaf_sides` times that of a square as
+/// large as the leaves that a sample of the scan shows, in steps of 1 cm.
+struct VoxelFitOptions {
+  bool enabled = true;      ///< false: StretchOptions::voxel_m rules
+  double leaf_sides = 1.2;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
+  double min_m = 0.08;      ///< 0.03…0.3; also the voxel size of the sample
+  double max_m = 0.12;      ///< min_m…0.3; the paper's size
+  int every_chunk = 8;      ///< of a tile's chunks of rays, one in so many is sampled, 1…1000
+  Result<void> validate() const;
+};
+
 /// Everything that can be set about the way from tiles to maps; each part documents itself.
 struct ProcessOptions {
   SurveyOptions survey;
@@ -29,6 +41,7 @@ struct ProcessOptions {
   RowOptions rows;
   PostOptions posts;
   StretchOptions stretches;
+  VoxelFitOptions voxel_fit;
   VoxelOptions voxels;
   EstimatorOptions estimator;
   IntegrationOptions integration;
@@ -48,6 +61,7 @@ struct ScanReport {
   std::size_t files_made = 0, files_kept = 0;
   double plant_area_m2 = 0;    ///< sum over the panels
   double element_area_m2 = 0;  ///< area of one leaf, as measured or given
+  double voxel_m = 0;          ///< side of the voxels
   std::vector<std::string> notes;
 };
 

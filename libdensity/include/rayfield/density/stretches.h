@@ -27,13 +27,16 @@ struct StretchOptions {
   /// Voxels added beyond the quantiles on both sides and on top, 0…10. The quantiles cut outliers and leaves alike:
   /// they leave 4 % of the hits outside across and 3 % above. Empty voxels add nothing to a sum, so a voxel more costs
   /// memory and time only (see docs/rows.md for what it brings).
-  int widen_voxels = 1;
+  int widen_voxels = 2;
   double min_half_width_m = 0.24;  ///< 0.05…2
   double min_height_m = 0.60;      ///< least height of the grid above its low face, 0.1…3
   double max_height_m = 4.0;       ///< hits higher above the ground are no canopy, 1.5…8
   double lone_half_width_m = 1.5;  ///< how far a canopy may reach where there is no neighbouring row, 0.3…3
   Result<void> validate() const;
 };
+
+/// The same options with voxels of another size and stretches of about the same length.
+StretchOptions with_voxel_size(const StretchOptions& options, double voxel_m);
 
 /// Hits of one scan across and above each row.
 struct CanopyProfile {
