@@ -45,7 +45,8 @@ KeyBuilder& add_options(KeyBuilder& key, const StretchOptions& o) {
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const VoxelOptions& o) {
-  return add_numbers(key, {static_cast<double>(o.leaf_angles.type), o.leaf_angles.ellipsoid_ratio, o.wood_shell_m, o.sure_return_m, o.slope_margin});
+  return add_numbers(key, {static_cast<double>(o.leaf_angles.type), o.leaf_angles.ellipsoid_ratio, o.wood_shell_m,
+                           o.sure_return_m, o.slope_margin});
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& o) {

@@ -32,8 +32,8 @@ struct GlobalStats {
   std::uint64_t thickness_count = 0;
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches that at least ten revisit matches link
   double release_shift_mean_m = 0, release_shift_max_m = 0;  ///< motion of the poses when GPS was released
-  Eigen::Vector3d offsets = Eigen::Vector3d::Zero();         ///< estimated lidar (s), spinner (rad), GPS (s) offsets
-  Eigen::Vector3d offset_sigmas = Eigen::Vector3d::Zero();
+  Eigen::Vector2d offsets = Eigen::Vector2d::Zero();         ///< estimated lidar (s) and spinner (rad) offsets
+  Eigen::Vector2d offset_sigmas = Eigen::Vector2d::Zero();
   std::vector<PoseUncertainty> uncertainty;  ///< relative to the pose in the middle of the drive
   int iterations = 0;
   double matching_seconds = 0, solving_seconds = 0;

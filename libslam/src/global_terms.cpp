@@ -10,8 +10,8 @@ constexpr int kImuGroup = 10;      // samples of one IMU residual: 0.1 s
 constexpr double kFixed = 1e14;    // information that holds an unknown
 constexpr double kGauge = 1e-3;    // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
 constexpr std::size_t kParts = 4;  // partial sums; their number is fixed so that threads do not change the result
-// Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad), GPS (s).
-const Eigen::Vector3d kOffsetSigma(0.05, 0.05, 0.3);
+// Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad).
+const Eigen::Vector2d kOffsetSigma(0.05, 0.05);
 
 }  // namespace
 
@@ -85,7 +85,7 @@ void GlobalProblem::add_gps(BlockSystem& system, GlobalStats& stats) const {
   std::vector<LinearResidual<3>> rows;
   std::vector<const GpsPosition*> used;
   for (const GpsPosition& fix : fixes_) {
-    const double time = fix.time_s + gps_offset_s_;
+    const double time = fix.time_s;
     if (time < 0 || time > frame_.track->end_s()) continue;
     rows.push_back(gps_residual(frame_, time, rig_.imu_from_gps_m, fix.enu));
     residual.push_back(rows.back().error.head<2>().norm());
@@ -135,9 +135,8 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
     system.add(r, 1);
   }
   Vector6d extra = Vector6d::Constant(kFixed), extra_offset = Vector6d::Zero();
-  const bool free[3] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset,
-                        use_gps && rig_.estimate_gps_offset};
-  for (int k = 0; k < 3; ++k)
+  const bool free[2] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset};
+  for (int k = 0; k < 2; ++k)
     if (free[k]) extra[2 + k] = 1 / (kOffsetSigma[k] * kOffsetSigma[k]), extra_offset[2 + k] = -offsets_[k];
   system.add_prior(frame_.extra_block, extra_offset, extra);
 }
@@ -187,9 +186,8 @@ Result<void> GlobalProblem::solve_and_apply() {
     gyro_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k));
     accel_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k) + 3);
   }
-  const Eigen::Vector3d offsets = x.segment<3>(6 * frame_.extra_block + 2);
+  const Eigen::Vector2d offsets = x.segment<2>(6 * frame_.extra_block + 2);
   offsets_ += offsets;
-  gps_offset_s_ += offsets[2];
   if (offsets[0] != 0 || offsets[1] != 0) rotate_surfels(offsets[0], offsets[1]);
   for (InertialNode& node : odometry_.inertial) node.state = inertial_at(bias_weights(node.time_s));
   return {};
@@ -223,10 +221,9 @@ Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
         std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0, odometry_.track.end_s());
     stats.uncertainty.push_back({time, covariance[static_cast<std::size_t>(k)]});
   }
-  const Eigen::Vector3d variance = covariance.back().diagonal().segment<3>(2);
-  const bool free[3] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset,
-                        rig_.estimate_gps_offset};
-  for (int k = 0; k < 3; ++k) {
+  const Eigen::Vector2d variance = covariance.back().diagonal().segment<2>(2);
+  const bool free[2] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset};
+  for (int k = 0; k < 2; ++k) {
     stats.offsets[k] = offsets_[k];
     stats.offset_sigmas[k] = free[k] ? std::sqrt(std::max(variance[k], 0.0)) : 0;
   }

@@ -44,8 +44,7 @@ class GlobalProblem {
   int bias_nodes_, first_bias_block_;
   std::vector<Eigen::Vector3d> gyro_bias_, accel_bias_;  // at the nodes
   Eigen::Vector3d gravity_;
-  double gps_offset_s_ = 0;
-  Eigen::Vector3d offsets_ = Eigen::Vector3d::Zero();  // estimated: lidar, spinner, GPS
+  Eigen::Vector2d offsets_ = Eigen::Vector2d::Zero();  // estimated: lidar (s), spinner (rad)
   BlockSystem system_;
   std::vector<BlockSystem> parts_;  // partial sums, kept for their sparsity pattern
 };

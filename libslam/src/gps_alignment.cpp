@@ -30,6 +30,29 @@ Rigid3 fit(const std::vector<Pair>& pairs, const std::vector<double>& weights) {
   return h;
 }
 
+// One pair of fixes two seconds apart: difference of offsets and of antenna velocities, horizontal.
+struct OffsetPair {
+  Eigen::Vector2d offset, velocity;
+};
+
+std::vector<OffsetPair> offset_pairs(const PoseTrack& track, std::span<const GpsPosition> fixes,
+                                     const Eigen::Vector3d& arm, double shift_s) {
+  constexpr double kLag = 2.0, kSlack = 0.5;
+  const auto antenna = [&](double t) -> Eigen::Vector2d { return (track.pose(t) * arm).head<2>(); };
+  std::vector<OffsetPair> out;
+  std::size_t j = 0;
+  for (const GpsPosition& a : fixes) {
+    while (j < fixes.size() && fixes[j].time_s < a.time_s + kLag) ++j;
+    if (j == fixes.size()) break;
+    const GpsPosition& b = fixes[j];
+    const double ta = a.time_s + shift_s, tb = b.time_s + shift_s, h = 0.05;
+    if (b.time_s > a.time_s + kLag + kSlack || ta < h || tb > track.end_s() - h) continue;
+    const auto velocity = [&](double t) -> Eigen::Vector2d { return (antenna(t + h) - antenna(t - h)) / (2 * h); };
+    out.push_back({(antenna(tb) - b.enu.head<2>()) - (antenna(ta) - a.enu.head<2>()), velocity(tb) - velocity(ta)});
+  }
+  return out;
+}
+
 }  // namespace
 
 double median_of(std::vector<double> values) {
@@ -77,6 +100,34 @@ GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> f
   const double rms_spread = std::sqrt(spread / static_cast<double>(pairs.size()));
   out.yaw_sigma_rad = out.median_residual_m / std::max(rms_spread, 1e-3) / std::sqrt(independent);
   out.solved = out.baseline_m >= options.min_baseline_m;
+  return out;
+}
+
+GpsOffsetFit fit_gps_offset(const PoseTrack& track, std::span<const GpsPosition> fixes,
+                            const Eigen::Vector3d& lever_arm_m) {
+  constexpr double kMinInformation = 0.5;  // (m/s)², of changes of velocity: less is a straight drive
+  GpsOffsetFit out;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    const std::vector<OffsetPair> pairs = offset_pairs(track, fixes, lever_arm_m, out.offset_s);
+    std::vector<double> size;
+    for (const OffsetPair& p : pairs) size.push_back(p.offset.norm());
+    const double scale = 2 * std::max(median_of(size), 0.02);
+    double information = 0, gradient = 0, squares = 0, weights = 0;
+    for (const OffsetPair& p : pairs) {
+      const double w = 1 / (1 + p.offset.squaredNorm() / (scale * scale));
+      information += w * p.velocity.squaredNorm();
+      gradient += w * p.velocity.dot(p.offset);
+      squares += w * p.offset.squaredNorm() / 2, weights += w;
+    }
+    if (pairs.size() < 50 || information < kMinInformation) return {};
+    out.offset_s -= gradient / information;
+    if (std::abs(out.offset_s) > 2) return {};
+    // Pairs overlap: those within one lag of two seconds count as one.
+    const double together =
+        std::max(1.0, static_cast<double>(pairs.size()) * 2.0 / (fixes.back().time_s - fixes.front().time_s));
+    out.sigma_s = std::sqrt(squares / weights / information * together);
+  }
+  out.solved = true;
   return out;
 }
 

@@ -32,6 +32,18 @@ struct GpsAlignment {
 GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> fixes,
                           const Eigen::Vector3d& lever_arm_m, const GpsOptions& options);
 
+/// The time by which GPS stamps are early: added to them it brings the fixes onto the track's clock.
+struct GpsOffsetFit {
+  bool solved = false;
+  double offset_s = 0, sigma_s = 0;
+};
+
+/// Least squares over differences of the offset across two seconds: e(t+2) − e(t) = −(v(t+2) − v(t))·offset. A bias
+/// that wanders slowly cancels in them, and what tells is the change of velocity in turns. `track` is already aligned.
+/// Not solved where the drive has no turn. Robust against jumps.
+GpsOffsetFit fit_gps_offset(const PoseTrack& track, std::span<const GpsPosition> fixes,
+                            const Eigen::Vector3d& lever_arm_m);
+
 /// Moves every pose: pose ← transform · pose.
 void transform_track(PoseTrack& track, const Rigid3& transform);
 

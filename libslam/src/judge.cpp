@@ -27,7 +27,7 @@ GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
   const double bound = 3 * 1.4826 * std::max(f.alignment.median_residual_m, f.options.gps.min_sigma_m);
   for (std::size_t k = 0; k < f.gps.positions.size(); ++k) {
     const GpsPosition& p = f.gps.positions[k];
-    const double time = p.time_s + f.stats.offsets[2];
+    const double time = p.time_s;
     if (time < 0 || time > track.end_s()) continue;
     const Eigen::Vector3d offset = track.pose(time) * f.rig.imu_from_gps_m - p.enu;
     offsets.push_back(offset.head<2>().norm());
@@ -102,10 +102,14 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
     const Vector6d sigma = u.covariance.diagonal().cwiseMax(0).cwiseSqrt();
     r.uncertainty.push_back({odometry.epoch_s + u.time_s, sigma.head<3>(), sigma.tail<3>()});
   }
-  const bool asked[3] = {f.rig.estimate_lidar_offset, f.rig.estimate_spinner_offset, f.rig.estimate_gps_offset};
-  const char* names[3] = {"lidar_offset_s", "spinner_offset_rad", "gps_offset_s"};
-  for (int k = 0; k < 3; ++k)
-    if (asked[k]) r.offsets.push_back({names[k], f.stats.offsets[k], f.stats.offset_sigmas[k]});
+  if (f.rig.estimate_lidar_offset)
+    r.offsets.push_back({"lidar_offset_s", f.stats.offsets[0], f.stats.offset_sigmas[0]});
+  if (f.rig.spinner && f.rig.estimate_spinner_offset)
+    r.offsets.push_back({"spinner_offset_rad", f.stats.offsets[1], f.stats.offset_sigmas[1]});
+  if (f.gps_offset.solved)
+    r.offsets.push_back({"gps_offset_s", f.gps_offset.offset_s, f.gps_offset.sigma_s});
+  else if (f.rig.estimate_gps_offset)
+    r.warnings.push_back("the GPS time offset could not be estimated: no GPS, or no turn in the drive");
   const InertialState& middle = odometry.inertial[odometry.inertial.size() / 2].state;
   r.gyro_bias_rad_s = middle.gyro_bias, r.accel_bias_m_s2 = middle.accel_bias;
   if (!r.degenerate.empty())

@@ -15,6 +15,7 @@ struct RunFacts {
   const GlobalStats& stats;
   const Rig& rig;
   const SlamOptions& options;
+  const GpsOffsetFit& gps_offset;
   Eigen::Quaterniond enu_from_world;  ///< of the windowed stage's frame
 };
 

@@ -107,13 +107,10 @@ Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   Eigen::Matrix<double, 8, 1> walk;
   walk << Eigen::Vector3d::Constant(rig_.imu.gyro_bias_rad_s2_sqrt_hz),
       Eigen::Vector3d::Constant(rig_.imu.accel_bias_m_s3_sqrt_hz),
-      Eigen::Vector2d::Constant(kGravity * rig_.imu.gyro_noise_rad_s_sqrt_hz);  // the trajectory's own tilt drifts
+      Eigen::Vector2d::Constant(kGravity * out_.noise.gyro_density *
+                                out_.noise.gyro_scale);  // the trajectory's own tilt drifts
   inertial_covariance_.diagonal() += options_.window.advance_s * walk.cwiseProduct(walk);
   inertial_covariance_ = 0.5 * (inertial_covariance_ + inertial_covariance_.transpose()).eval();
-  // Noisier data than the rig file says: grow slowly towards what is seen, never below the file's figure.
-  const auto follow = [](double& scale, double seen) { scale = std::clamp(0.9 * scale + 0.1 * seen, 1.0, 20.0); };
-  follow(out_.noise.gyro_scale, stats.gyro_rms);
-  follow(out_.noise.accel_scale, stats.accel_rms);
   out_.windows.push_back(stats);
   out_.inertial.push_back({0.5 * (stats.start_s + stats.end_s), state_});
   out_.solve_seconds += now_s() - begin;
@@ -124,6 +121,10 @@ Result<void> Odometry::start() {
   const int last = static_cast<int>(std::lround(options_.window.length_s / out_.track.step_s));
   const StartGuess guess = guess_start(imu_, last);
   out_.start.stationary_s = guess.stationary_s;
+  // Noisier data than the rig file says are believed less; quieter ones not more.
+  const WhiteNoise white = measure_white_noise(imu_);
+  out_.noise.gyro_scale = std::max(1.0, white.gyro_density / out_.noise.gyro_density);
+  out_.noise.accel_scale = std::max(1.0, white.accel_density / out_.noise.accel_density);
   state_.gyro_bias = guess.gyro_bias;
   state_.gravity = Eigen::Vector3d(0, 0, kGravity);
   Eigen::Matrix<double, 8, 1> sigma;

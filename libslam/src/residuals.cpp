@@ -3,7 +3,7 @@
 namespace rayfield::slam {
 namespace {
 
-enum Extra { kGravityX = 0, kGravityY = 1, kLidarOffset = 2, kSpinnerOffset = 3, kGpsOffset = 4 };
+enum Extra { kGravityX = 0, kGravityY = 1, kLidarOffset = 2, kSpinnerOffset = 3 };
 
 // Adds sign·d(n·s)/dx for a surfel at world arm = r·c: d(n·s) = n·δt + (arm × n)·δr, and for the extra unknowns
 //   ds/d(lidar offset) = v + ω × arm + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
@@ -105,9 +105,6 @@ LinearResidual<3> gps_residual(const ResidualFrame& frame, double time_s, const 
     block.leftCols<3>().diagonal().array() += w.value[j];
     block.rightCols<3>() -= w.value[j] * hat(arm);
   }
-  if (frame.extra_block >= 0)
-    out.at(frame.extra_block).col(kGpsOffset) +=
-        frame.track->velocity(time_s) + frame.track->angular_velocity(time_s).cross(arm);
   return out;
 }
 

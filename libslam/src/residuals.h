@@ -11,7 +11,7 @@
 /// trajectory, so the derivatives are needed there only. A correction (δt(τ), δr(τ)) acts as in the paper (SLAM):
 ///   t(τ) ← t(τ) + δt(τ),  r(τ) ← exp(δr(τ))·r(τ),
 /// both cubic B-splines. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra
-/// block is (gravity x, gravity y, lidar time offset, spinner angle offset, GPS time offset, unused).
+/// block is (gravity x, gravity y, lidar time offset, spinner angle offset, two unused).
 namespace rayfield::slam {
 
 /// What the linearisation of a residual refers to.

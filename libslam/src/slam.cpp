@@ -93,9 +93,14 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
   const double epoch = odometry.epoch_s, end = epoch + odometry.track.end_s();
   Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
   move(odometry, level(odometry), turned);
-  const GpsTrack gps = rig.gps ? collect_fixes(input.fixes(), rig, epoch, end, epoch, options.gps) : GpsTrack{};
+  GpsTrack gps = rig.gps ? collect_fixes(input.fixes(), rig, epoch, end, epoch, options.gps) : GpsTrack{};
   GpsAlignment alignment = align_to_gps(odometry.track, gps.positions, rig.imu_from_gps_m, options.gps);
   if (alignment.solved) move(odometry, alignment.enu_from_world, turned);
+  GpsOffsetFit gps_offset;
+  if (alignment.solved && rig.estimate_gps_offset) {
+    gps_offset = fit_gps_offset(odometry.track, gps.positions, rig.imu_from_gps_m);
+    for (GpsPosition& p : gps.positions) p.time_s += gps_offset.offset_s;
+  }
 
   // b: the whole drive at once.
   const std::span<const GpsPosition> fixes =
@@ -110,7 +115,7 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
 
   RAYFIELD_ASSIGN(SlamResult out, into_map(drive, gps, alignment, crs));
   out.offsets = {stats.offsets[0], stats.offsets[1]};
-  RunFacts facts{drive, gps, alignment, stats, rig, options, turned};
+  RunFacts facts{drive, gps, alignment, stats, rig, options, gps_offset, turned};
   out.report = make_report(facts, out);
   out.report.crs = alignment.solved ? crs : std::string();
   out.report.frame_note = frame_note(gps, alignment, rig, crs, options.gps);

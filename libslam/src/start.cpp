@@ -1,7 +1,11 @@
 #include "start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
+
+#include "gps_alignment.h"
 
 namespace rayfield::slam {
 namespace {
@@ -25,7 +29,25 @@ BlockMoments moments(const ImuGrid& imu, int first, int count) {
   return m;
 }
 
+double white_sigma(const std::vector<Eigen::Vector3d>& samples) {
+  std::array<double, 3> sigma{};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> differences;
+    for (std::size_t k = 0; k + 4 < samples.size(); ++k)
+      differences.push_back(std::abs(samples[k][axis] - 4 * samples[k + 1][axis] + 6 * samples[k + 2][axis] -
+                                     4 * samples[k + 3][axis] + samples[k + 4][axis]));
+    sigma[static_cast<std::size_t>(axis)] = 1.4826 * median_of(std::move(differences)) / std::sqrt(70.0);
+  }
+  std::sort(sigma.begin(), sigma.end());
+  return sigma[1];
+}
+
 }  // namespace
+
+WhiteNoise measure_white_noise(const ImuGrid& imu) {
+  const double root = std::sqrt(imu.step_s());
+  return {white_sigma(imu.gyro()) * root, white_sigma(imu.accel()) * root};
+}
 
 StartGuess guess_start(const ImuGrid& imu, int samples) {
   StartGuess out;

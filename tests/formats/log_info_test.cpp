@@ -19,7 +19,7 @@ using ::testing::Not;
 struct Drive {
   const char* lidar_topic = "/horizontal/scan";
   bool spinner = true;
-  double no_return = INFINITY;
+  double no_return = kInfinity;
   double gravity = 9.81;
   int gap_at = -1;  ///< second without IMU
 };

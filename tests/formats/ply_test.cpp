@@ -110,7 +110,7 @@ TEST(PlyReader, ReadsRayStartsUnderTheirOtherName) {
 }
 
 TEST(PlyReader, DropsAndCountsRaysThatAreNone) {
-  const double nan = NAN, inf = INFINITY;
+  const double nan = kNaN, inf = kInfinity;
   const ReadCloud cloud = read_all(ply_header("7", kStandardProperties) + row({0, 0, 0}, {nan, 0, 0}, 1, 1) +
                                    row({0, 0, inf}, {0, 0, 0}, 1, 1) + row({0, 0, 0}, {1, 0, 0}, nan, 1) +
                                    row({5, 5, 5}, {5, 5, 5}, 1, 1) + row({0, 0, 0}, {2e8, 0, 0}, 1, 1) +
@@ -287,7 +287,7 @@ TEST(PlyWriter, RefusesWhatItCannotWrite) {
   }
   auto writer = PlyWriter::create(file.path());
   RayBatch rays = three_rays();
-  rays.end[1].x() = NAN;
+  rays.end[1].x() = kNaN;
   EXPECT_THAT(writer->write(rays).error().line(), HasSubstr("ray 1"));
 }
 

@@ -49,7 +49,7 @@ std::string small_bag(BagCompression compression) {
 /// Checks the promises of read_log() on everything that comes out.
 struct Checker : SensorSink {
   std::uint64_t messages = 0;
-  double last_imu_s = -INFINITY;
+  double last_imu_s = -bytes::kInfinity;
   void imu(const ImuSample& sample) override {
     ++messages;
     EXPECT_TRUE(sample.angular_velocity_rad_s.allFinite() && sample.linear_acceleration_m_s2.allFinite());

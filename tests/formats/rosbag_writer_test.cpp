@@ -259,7 +259,7 @@ TEST(SensorLogWriter, RefusesColumnsOfUnequalLengthAndSensorsThatTheRigLacks) {
   LidarScan scan;
   scan.range_m.resize(3);
   EXPECT_EQ(writer->points(scan, {}).error().code, ErrorCode::usage);
-  EXPECT_EQ(writer->imu({NAN, {}, {}}).error().code, ErrorCode::usage);
+  EXPECT_EQ(writer->imu({kNaN, {}, {}}).error().code, ErrorCode::usage);
   EXPECT_EQ(writer->imu({1e300, {}, {}}).error().code, ErrorCode::usage);
 }
 

@@ -102,8 +102,8 @@ TEST(SensorLog, DecodesEverySensorFromItsBytes) {
 
 TEST(SensorLog, FollowsRep117AndTheLimitsOfTheRig) {
   // Columns: the raw ranges; what each convention makes of them. inf: nothing; -inf: too close; n: NaN.
-  const double inf = INFINITY;
-  const std::vector<double> raw = {5.0, inf, -inf, NAN, 0.0, 0.1, 30.0, 35.0, -2.0};
+  const double inf = kInfinity;
+  const std::vector<double> raw = {5.0, inf, -inf, kNaN, 0.0, 0.1, 30.0, 35.0, -2.0};
   const auto classify = [&](NoReturn convention) {
     Rig rig = lidar_rig();
     rig.lidar.max_range_m = 30;
@@ -232,11 +232,11 @@ TEST(SensorLog, CountsMalformedMessagesAndGoesOn) {
 TEST(SensorLog, LeavesOutNaNsAndFixesWithoutAPosition) {
   Collected got;
   const auto report =
-      read(connections() + message(0, 1, 0, imu(1, 0, NAN)) + message(0, 2, 0, imu(2, 0)) +
-               message(1, 3, 0, fix(3, 0, -1, 0, 0, 0)) + message(1, 4, 0, fix(4, 0, 0, NAN, 1, 1)) +
+      read(connections() + message(0, 1, 0, imu(1, 0, kNaN)) + message(0, 2, 0, imu(2, 0)) +
+               message(1, 3, 0, fix(3, 0, -1, 0, 0, 0)) + message(1, 4, 0, fix(4, 0, 0, kNaN, 1, 1)) +
                message(1, 5, 0, fix(5, 0, 0, 95, 1, 1)) + message(1, 6, 0, fix(6, 0, 0, 45, 1, 1)) +
-               message(2, 7, 0, joints(7, 0, {"spinner"}, {NAN})) + message(2, 8, 0, joints(8, 0, {"spinner"}, {1})) +
-               message(3, 9, 0, scan(9, 0, {}, {NAN, NAN})) + message(3, 10, 0, scan(10, 0, {}, {NAN, 2})),
+               message(2, 7, 0, joints(7, 0, {"spinner"}, {kNaN})) + message(2, 8, 0, joints(8, 0, {"spinner"}, {1})) +
+               message(3, 9, 0, scan(9, 0, {}, {kNaN, kNaN})) + message(3, 10, 0, scan(10, 0, {}, {kNaN, 2})),
            full_rig(), got);
   ASSERT_TRUE(report) << report.error().line();
   EXPECT_EQ(got.order, "igsl");
@@ -379,7 +379,7 @@ TEST(SensorLog, SaysClearlyWhatALogLacks) {
       HasSubstr("its type std_msgs/String does not serve as lidar"));
   EXPECT_THAT(error_of(imu_only + connection(3, "/lidar/scan", kScanType, "0123") + scan_message, lidar_rig()).line(),
               HasSubstr("md5sum 0123"));
-  EXPECT_THAT(error_of(connections() + imu_at(1) + message(3, 1, 0, scan(1, 0, {}, {NAN})), lidar_rig()).line(),
+  EXPECT_THAT(error_of(connections() + imu_at(1) + message(3, 1, 0, scan(1, 0, {}, {kNaN})), lidar_rig()).line(),
               HasSubstr("not one of its 1 messages is usable (1 without a valid value"));
   EXPECT_THAT(error_of(connections() + imu_at(1) + scan_message + message(2, 2, 0, joints(2, 0, {"a", "b"}, {1, 2})),
                        full_rig())
@@ -436,7 +436,7 @@ TEST(SensorLog, RefusesOptionsOutOfRange) {
   options.segment = -1;
   EXPECT_EQ(read("", lidar_rig(), got, options).error().code, ErrorCode::usage);
   options = {};
-  options.reorder_window_s = NAN;
+  options.reorder_window_s = kNaN;
   EXPECT_EQ(read("", lidar_rig(), got, options).error().code, ErrorCode::usage);
 }
 

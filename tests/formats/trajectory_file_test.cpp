@@ -70,7 +70,7 @@ TEST(TrajectoryFile, DoesNotWriteWhatItCouldNotRead) {
   Trajectory bad;
   bad.poses = {{2, {}}, {1, {}}};
   EXPECT_EQ(write_trajectory(file.path(), bad).error().code, ErrorCode::usage);
-  bad.poses = {{1, {Eigen::Quaterniond::Identity(), {NAN, 0, 0}}}};
+  bad.poses = {{1, {Eigen::Quaterniond::Identity(), {bytes::kNaN, 0, 0}}}};
   EXPECT_EQ(write_trajectory(file.path(), bad).error().code, ErrorCode::usage);
   bad.poses = {{1, {}}};
   bad.crs = "a\nb";

@@ -8,6 +8,7 @@
 #include "gps_alignment.h"
 #include "imu_grid.h"
 #include "rayfield/slam/slam.h"
+#include "start.h"
 
 namespace rayfield::slam {
 namespace {
@@ -57,6 +58,24 @@ TEST(ImuGrid, InterpolatesSlowSensorsAndAveragesFastOnes) {
     for (int k = 1; k < grid.size(); ++k) EXPECT_NEAR(grid.gyro()[k].x(), 0.01 * k, 0.0051) << rate;
     if (rate == 100.0) EXPECT_NEAR(grid.gyro()[77].y(), 1.54, 1e-9);
   }
+}
+
+TEST(WhiteNoise, IsMeasuredThroughTheBounceOfTheVehicle) {
+  std::mt19937 generator(9);
+  std::normal_distribution<double> gauss(0, 1);
+  ImuGrid grid(0, 0.01);
+  for (int k = 0; k < 1000; ++k) {
+    ImuSample s;
+    s.time_s = 0.01 * k;
+    for (int axis = 0; axis < 3; ++axis) {
+      s.angular_velocity_rad_s[axis] = 0.1 * std::sin(6.3 * 3 * s.time_s) + 0.003 * gauss(generator);
+      s.linear_acceleration_m_s2[axis] = 2.7 * std::sin(6.3 * 3.1 * s.time_s) + 0.09 * gauss(generator);
+    }
+    grid.add(s);
+  }
+  const WhiteNoise noise = measure_white_noise(grid);
+  EXPECT_NEAR(noise.gyro_density, 3e-4, 0.3e-4);  // 0.003 rad/s per sample at 100 Hz
+  EXPECT_NEAR(noise.accel_density, 9e-3, 0.9e-3);
 }
 
 PoseTrack loop_track() {
@@ -112,6 +131,27 @@ TEST(GpsAlignment, DoesNotClaimAYawForAVehicleThatStoodStillOrHadTooFewFixes) {
   EXPECT_FALSE(align_to_gps(track, fixes, kArm, GpsOptions()).solved);
 }
 
+TEST(GpsOffset, IsFoundThroughAWanderingBiasAndAJump) {
+  const PoseTrack track = loop_track();
+  auto fixes = fixes_of(track, Rigid3(), 0.03);
+  for (GpsPosition& f : fixes) {
+    f.enu += Eigen::Vector3d(0.5 * std::sin(0.05 * f.time_s), 0.4 * std::cos(0.04 * f.time_s), 0);
+    if (f.time_s > 31 && f.time_s < 36) f.enu.x() += 5;
+    f.time_s -= 0.25;  // stamped a quarter of a second early
+  }
+  const GpsOffsetFit fit = fit_gps_offset(track, fixes, kArm);
+  ASSERT_TRUE(fit.solved);
+  EXPECT_NEAR(fit.offset_s, 0.25, 3 * fit.sigma_s + 0.01);
+  EXPECT_LT(fit.sigma_s, 0.08);
+}
+
+TEST(GpsOffset, IsNotClaimedForAStraightDrive) {
+  PoseTrack track = loop_track();
+  for (int k = 0; k < track.size(); ++k)
+    track.position[k] = Eigen::Vector3d(0.015 * k, 0, 0), track.rotation[k] = Eigen::Quaterniond::Identity();
+  EXPECT_FALSE(fit_gps_offset(track, fixes_of(track, Rigid3(), 0.03), kArm).solved);
+}
+
 TEST(CollectFixes, RefusesWhatIsNoPositionAndFloorsOptimisticCovariances) {
   Rig rig;
   rig.gps.emplace();
@@ -148,7 +188,8 @@ TEST(MapTrajectory, CarriesConvergenceAndScaleOfTheGrid) {
   const double convergence = frame->convergence_rad(t.poses.front().map_from_body.translation);
   EXPECT_NEAR(std::atan2(north.x(), north.y()), -convergence, 2e-5);
   EXPECT_GT(std::abs(convergence), 0.02);
-  EXPECT_NEAR(t.horizontal_scale, frame->scale_factor(far), 1e-6);
+  // Grid metres per metre on the ground: the scale on the ellipsoid, and the height of 82 m above it.
+  EXPECT_NEAR(t.horizontal_scale, frame->scale_factor(far) * (1 - 82 / 6.371e6), 1e-6);
 }
 
 TEST(MakeTrajectory, RefusesTimesThatDoNotIncreaseAndValuesThatAreNotFinite) {

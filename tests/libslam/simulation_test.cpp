@@ -27,6 +27,7 @@ struct Outcome {
   Result<SlamResult> result;
   testing::TrajectoryErrors errors;
   double mean_gps_error_m = 0;
+  std::vector<TimedPose> truth;  // in the map
 };
 
 // `ask` switches on what the rig may ask to be estimated.
@@ -43,7 +44,7 @@ Outcome drive(const sim::Site& site, const std::function<void(Rig&)>& ask = {}) 
     if (!done) return tl::make_unexpected(done.error());
     return {};
   };
-  Outcome out{run_slam(read, rig, site.crs_code(), SlamOptions(), progress), {}, 0};
+  Outcome out{run_slam(read, rig, site.crs_code(), SlamOptions(), progress), {}, 0, {}};
   if (!out.result) return out;
   const auto frame = MapFrame::create(site.crs_code());
   const TangentPlane plane({site.latitude_deg, site.longitude_deg, site.height_m});
@@ -58,7 +59,28 @@ Outcome drive(const sim::Site& site, const std::function<void(Rig&)>& ask = {}) 
   for (const GpsMark& m : out.result->gps)
     out.mean_gps_error_m += (m.position - testing::pose_at(truth, m.time_s) * rig.imu_from_gps_m).norm() /
                             static_cast<double>(out.result->gps.size());
+  out.truth = std::move(truth);
   return out;
+}
+
+// Normalised squared errors of the positions against the pose in the middle of the drive, mean over poses and axes:
+// 1 where the reported standard deviations are right.
+double normalised_error(const SlamResult& result, const std::vector<TimedPose>& truth) {
+  const auto& estimate = result.trajectory.poses;
+  const double middle = 0.5 * (estimate.front().time_s + estimate.back().time_s);
+  const Rigid3 a = testing::pose_at(estimate, middle), b = testing::pose_at(truth, middle);
+  const Eigen::Matrix3d turn = (b.rotation * a.rotation.conjugate()).toRotationMatrix();
+  const Eigen::Quaterniond yaw(Eigen::AngleAxisd(std::atan2(turn(1, 0), turn(0, 0)), Eigen::Vector3d::UnitZ()));
+  double sum = 0;
+  int count = 0;
+  for (const PoseSigma& u : result.report.uncertainty) {
+    if (std::abs(u.time_s - middle) < 5) continue;  // next to the pose that is held both vanish
+    const Eigen::Vector3d e = yaw * (testing::pose_at(estimate, u.time_s).translation - a.translation) -
+                              (testing::pose_at(truth, u.time_s).translation - b.translation);
+    sum += e.cwiseQuotient(u.translation_m).squaredNorm() / 3;
+    ++count;
+  }
+  return sum / std::max(1, count);
 }
 
 void expect_goals(const Outcome& o, double factor) {
@@ -69,7 +91,13 @@ void expect_goals(const Outcome& o, double factor) {
   if (!o.result->gps.empty()) EXPECT_LE(o.errors.georeferenced_rms_m, o.mean_gps_error_m + 0.10 * factor);
 }
 
-TEST(SimulatedDrive, MeetsTheGoals) { expect_goals(drive(vineyard()), 1); }
+TEST(SimulatedDrive, MeetsTheGoalsAndKnowsHowWell) {
+  const Outcome o = drive(vineyard());
+  expect_goals(o, 1);
+  // Neither twice too sure (4) nor ten times too modest (0.01).
+  EXPECT_LT(normalised_error(*o.result, o.truth), 4);
+  EXPECT_GT(normalised_error(*o.result, o.truth), 0.01);
+}
 
 TEST(SimulatedDrive, MeetsTheGoalsWithoutSensorErrorsToACentimetre) {
   const Outcome o = drive(sim::without_errors(vineyard()));
@@ -103,7 +131,10 @@ TEST(SimulatedDrive, HoldsWhenTheGpsBiasWandersByTwoMetres) {
 TEST(SimulatedDrive, HoldsWithThreeTimesTheImuNoise) {
   sim::Site site = vineyard();
   site.dates[0].imu_noise_scale = 3;
-  expect_goals(drive(site), 1.5);
+  const Outcome o = drive(site);
+  expect_goals(o, 1.5);
+  // The rig file does not know of the noise; the uncertainty must all the same.
+  EXPECT_LT(normalised_error(*o.result, o.truth), 3);
 }
 
 TEST(SimulatedDrive, HoldsWithHalfTheLidarRate) {
@@ -132,6 +163,26 @@ TEST(SimulatedDrive, FindsALidarClockThatIsTwentyMillisecondsOff) {
   expect_goals(o, 1.5);
   ASSERT_EQ(o.result->report.offsets.size(), 1u);
   EXPECT_NEAR(o.result->report.offsets[0].value, 0.02, 0.002);
+}
+
+TEST(SimulatedDrive, FindsASpinnerEncoderThatIsAboutADegreeOff) {
+  sim::Site site = vineyard();
+  site.dates[0].spinner_angle_error_rad = 0.02;
+  const Outcome o = drive(site, [](Rig& rig) { rig.estimate_spinner_offset = true; });
+  expect_goals(o, 1.5);
+  ASSERT_EQ(o.result->report.offsets.size(), 1u);
+  EXPECT_NEAR(o.result->report.offsets[0].value, 0.02, 0.003);
+}
+
+TEST(SimulatedDrive, FindsAGpsClockThatIsOffWithinItsStatedUncertainty) {
+  sim::Site site = vineyard();
+  site.dates[0].gps_time_error_s = 0.2;
+  const Outcome o = drive(site, [](Rig& rig) { rig.estimate_gps_offset = true; });
+  expect_goals(o, 1.5);
+  ASSERT_EQ(o.result->report.offsets.size(), 1u);
+  const OffsetEstimate& e = o.result->report.offsets[0];
+  EXPECT_NEAR(e.value, 0.2, 3 * e.sigma);
+  EXPECT_LT(e.sigma, 0.05);
 }
 
 TEST(SimulatedDrive, HoldsWithAFixedMultiBeamLidar) {

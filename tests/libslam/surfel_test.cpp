@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "surfel_match.h"
 
@@ -39,16 +41,24 @@ TEST(ExtractSurfels, FindsThePlaneItsThicknessAndTheSideOfTheSensor) {
   options.voxel_size_m = {0.6};
   const auto surfels = extract_surfels(plane_points(n, at, 0.01, 4000, track), track, options);
   ASSERT_GT(surfels.size(), 4u);
-  int interior = 0;
+  // Where a face of a cell cuts the noisy layer lengthways the cell sees a part of its thickness only: each surfel is
+  // held to one standard deviation of the noise, the typical one to a third.
+  std::vector<double> offset, alignment, thickness;
   for (const Surfel& s : surfels) {
     const Eigen::Vector3d center = track.pose(s.time_s) * s.center.cast<double>();
     if ((center - at).norm() > 0.35) continue;  // cells at the rim hold slivers
-    ++interior;
-    EXPECT_NEAR(n.dot(center - at), 0, 0.003);
-    EXPECT_GT(static_cast<double>(s.normal.dot(n.cast<float>())), 0.999);  // the sensor is above
-    EXPECT_NEAR(std::sqrt(static_cast<double>(s.variance_m2)), 0.01, 0.002);
+    offset.push_back(std::abs(n.dot(center - at)));
+    alignment.push_back(static_cast<double>(s.normal.dot(n.cast<float>())));  // the sensor is above
+    thickness.push_back(std::sqrt(static_cast<double>(s.variance_m2)));
+    EXPECT_LT(offset.back(), 0.01);
+    EXPECT_GT(alignment.back(), 0.99);
+    EXPECT_LT(thickness.back(), 0.012);
   }
-  EXPECT_GT(interior, 2);
+  ASSERT_GT(offset.size(), 2U);
+  for (auto* values : {&offset, &alignment, &thickness}) std::sort(values->begin(), values->end());
+  EXPECT_LT(offset[offset.size() / 2], 0.003);
+  EXPECT_GT(alignment[alignment.size() / 2], 0.999);
+  EXPECT_NEAR(thickness[thickness.size() / 2], 0.01, 0.002);
 }
 
 TEST(ExtractSurfels, SeesAPlaneAsOneThoughTheVehicleMovedWhileMeasuringIt) {
