@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 // Several streams one after the other.
 class JoinedSource : public RaySource {
  public:
-  explicit JoinedSource(std::vector<std::unique_ptr<RaySource>> parts) : parts_(std::move(parts)) {}
+  JoinedSource(std::vector<std::unique_ptr<RaySource>> parts, std::vector<std::string> warnings)
+      : parts_(std::move(parts)), warnings_(std::move(warnings)) {}
 
   Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
     for (; current_ < parts_.size(); ++current_) {
@@ -56,7 +57,7 @@ class JoinedSource : public RaySource {
   }
 
   std::vector<std::string> warnings() const override {
-    std::vector<std::string> all;
+    std::vector<std::string> all = warnings_;
     for (const auto& part : parts_)
       for (const std::string& warning : part->warnings()) all.push_back(warning);
     return all;
@@ -64,6 +65,7 @@ class JoinedSource : public RaySource {
 
  private:
   std::vector<std::unique_ptr<RaySource>> parts_;
+  std::vector<std::string> warnings_;  // of the logs behind them
   std::size_t current_ = 0;
 };
 
@@ -71,8 +73,8 @@ class JoinedSource : public RaySource {
 Result<tile::InputEntry> describe_input(const fs::path& path) {
   tile::InputEntry entry;
   entry.name = path.filename().string();
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return fail_errno(errno, "cannot read ray cloud", path.string(), "check the path");
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return fail_errno(errno, "cannot read input", path.string(), "check the path");
   Sha256 hash;
   std::vector<std::byte> buffer(std::size_t{1} << 20);
   while (true) {
@@ -80,7 +82,7 @@ Result<tile::InputEntry> describe_input(const fs::path& path) {
     if (count < 0) {
       const int error = errno;
       ::close(file);
-      return fail_errno(error, "cannot read ray cloud", path.string(), "check the file");
+      return fail_errno(error, "cannot read input", path.string(), "check the file");
     }
     if (count == 0) break;
     hash.update(std::span<const std::byte>(buffer.data(), static_cast<std::size_t>(count)));
@@ -92,19 +94,21 @@ Result<tile::InputEntry> describe_input(const fs::path& path) {
 }
 
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
-                                              int threads, Progress& progress) {
+                                              int threads, Progress& progress, std::vector<std::string>& warnings) {
   if (is_log(path)) {
-    if (inputs.rig_file.empty())
-      return fail(ErrorCode::usage, "cannot add log", path.string(), "a log needs a rig file",
-                  "give --rig RIG.toml; `rayfield info` proposes one");
-    RAYFIELD_ASSIGN(RegisteredDrive drive, register_drive(path.string(), inputs.rig_file, crs, threads, progress));
-    if (!drive.report.georeferenced)
-      return fail(ErrorCode::bad_input, "cannot add log", path.string(), drive.report.frame_note,
-                  "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");
-    for (const std::string& warning : drive.log_warnings) progress.warn(warning);
+    RAYFIELD_CHECK(require_rig(path, inputs));
+    RAYFIELD_ASSIGN(RegisteredDrive drive,
+                    register_drive(path.string(), inputs.rig_file, crs, true, threads, progress));
+    for (const std::string& warning : drive.report.warnings) progress.warn(warning);
+    for (const std::string& warning : all_warnings(drive))
+      warnings.push_back(path.filename().string() + ": " + warning);
     return std::move(drive.rays);
   }
   RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
+  if (reader->crs() && *reader->crs() == kLocalFrame)
+    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
+                fmt::format("it is in a local frame, the store in {}", crs),
+                "register its log with GPS and --crs " + crs);
   if (reader->crs() && *reader->crs() != crs)
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
@@ -126,23 +130,30 @@ Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, 
 
 }  // namespace
 
-Result<tile::AddReport> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options,
-                                 Progress& progress) {
+Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
+  if (!inputs.rig_file.empty()) return {};
+  return fail(ErrorCode::usage, "cannot add log", log.string(), "a log needs a rig file",
+              "give --rig RIG.toml; `rayfield info` proposes one");
+}
+
+Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {
   RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads));
   RAYFIELD_ASSIGN(auto there, store.find_added(options));
-  if (there) return std::move(*there);
+  if (there) return AddedScan{std::move(*there), {}};
   std::vector<std::unique_ptr<RaySource>> parts;
+  std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
-    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, options.threads, progress));
+    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, options.threads, progress, warnings));
     parts.push_back(std::move(part));
   }
-  JoinedSource rays(std::move(parts));
+  JoinedSource rays(std::move(parts), warnings);
   RAYFIELD_ASSIGN(const auto restored, density::MissingRaySource::create(rays, {}));
   RaySource& source = inputs.restore_missing ? static_cast<RaySource&>(*restored) : rays;
   Result<tile::AddReport> report = store.add(source, options, progress);
-  if (!report && report.error().code == ErrorCode::bad_input)
+  if (report) return AddedScan{std::move(*report), std::move(warnings)};
+  if (report.error().code == ErrorCode::bad_input)
     for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
-  return report;
+  return tl::make_unexpected(std::move(report).error());
 }
 
 }  // namespace rayfield::cli

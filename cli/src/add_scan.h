@@ -18,8 +18,16 @@ struct ScanInputs {
   bool restore_missing = false;              ///< put back the downward rays without a return that clouds leave out
 };
 
+/// Errors: usage where a log is given without a rig file.
+Result<void> require_rig(const std::filesystem::path& log, const ScanInputs& inputs);
+
+/// A scan that was added.
+struct AddedScan {
+  tile::AddReport report;
+  std::vector<std::string> said;  ///< those of the report's warnings that the user was told when they arose
+};
+
 /// Adds clouds and logs (which are registered first) to a store as one scan. `options.inputs` is filled here.
-Result<tile::AddReport> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options,
-                                 Progress& progress);
+Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress);
 
 }  // namespace rayfield::cli

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "rayfield/core/text_file.h"
+
 namespace rayfield::cli {
 namespace {
 
@@ -82,12 +84,12 @@ Result<std::vector<std::string>> expand_config(const CLI::App& app, std::vector<
   }
   if (command == nullptr) return arguments;
 
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path, "cannot read configuration"));
+  RAYFIELD_CHECK(check_toml_text(text, "bad configuration", path));
   toml::table root;
   try {
-    root = toml::parse_file(path);
+    root = toml::parse(text);
   } catch (const toml::parse_error& e) {
-    if (e.source().begin.line == 0)
-      return fail(ErrorCode::bad_input, "cannot read configuration", path, e.description(), "check the path");
     return fail(ErrorCode::usage, "bad configuration", fmt::format("{}:{}", path, e.source().begin.line),
                 e.description(), "");
   }

@@ -9,6 +9,7 @@
 #include "rayfield/core/ray_source.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
+#include "rayfield/formats/sensor_log.h"
 #include "rayfield/slam/slam.h"
 
 namespace rayfield::cli {
@@ -22,16 +23,37 @@ struct RegisteredDrive {
   std::unique_ptr<RaySource> rays;
 };
 
-/// True for the paths that are logs rather than ray clouds (`.bag`).
+/// What a ray cloud that lies nowhere on Earth has in the place of its CRS.
+inline constexpr const char* kLocalFrame = "local";
+
+/// True for files that are logs rather than ray clouds: by their first bytes, or by their name (`.bag`, `.bag.active`,
+/// and those of ROS 2, which the reader refuses with what to do).
 bool is_log(const std::filesystem::path& path);
 
-/// Runs SLAM over a log. `crs` empty: a local frame.
+/// A log that was read once: its longest segment between clock jumps is bound, its sensors are known to be there.
+struct OpenedLog {
+  Rig rig;
+  slam::LogReader read;
+  formats::LogReport report;  ///< of that segment
+  std::vector<std::string> warnings;
+};
+
+/// Reads a log once. Warns of its damage, gaps and clock jumps at once, before the long work. Errors: those of
+/// formats::read_rig() and formats::read_log(); usage where `crs` is not made for the place of the GPS fixes.
+Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, const std::string& crs,
+                           Progress& progress);
+
+/// Runs SLAM over a log. `crs` empty: a local frame. A log without GPS gives a local frame too, or an error (bad_input)
+/// where `require_gps`.
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
-                                       int threads, Progress& progress);
+                                       bool require_gps, int threads, Progress& progress);
 
 /// The rays of a log along a trajectory from elsewhere (TUM text of the IMU frame in `crs`).
 Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::string& rig_file,
                                           const std::string& trajectory_file, const std::string& crs,
                                           Progress& progress);
+
+/// Everything that a user should know of a registered drive, its rays included once they were read.
+std::vector<std::string> all_warnings(const RegisteredDrive& drive);
 
 }  // namespace rayfield::cli

@@ -1,12 +1,15 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
 #include <exception>
 #include <string>
 #include <vector>
 
 #include "common_options.h"
 #include "config_file.h"
+#include "text.h"
 #include "verbs.h"
 #include "version.h"
 
@@ -49,17 +52,19 @@ int run(int argc, char** argv) {
   rayfield::cli::add_all_verbs(commands);
 
   std::vector<std::string> arguments(argv + 1, argv + argc);
+  // Before the options are known to be right, the word itself must do.
+  const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
   std::string command_line = "rayfield";
   for (const std::string& argument : arguments) command_line += " " + argument;
   auto expanded = rayfield::cli::expand_config(app, arguments);
-  if (!expanded) return report(expanded.error(), false);
+  if (!expanded) return report(expanded.error(), json);
 
   try {
     std::vector<std::string> reversed(expanded->rbegin(), expanded->rend());
     app.parse(reversed);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
-    return report(usage_error(app, arguments, e), false);
+    return report(usage_error(app, arguments, e), json);
   }
 
   const auto outcome = commands.run_parsed(command_line);
@@ -67,7 +72,7 @@ int run(int argc, char** argv) {
   if (commands.options().json) {
     fmt::print("{}\n", outcome->data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!commands.options().quiet) {
-    fmt::print("{}", outcome->text);
+    fmt::print("{}", rayfield::cli::printable(outcome->text));
   }
   if (std::fflush(stdout) != 0)
     return report({ErrorCode::resources, "cannot write the result", "stdout", "the output was not taken", ""}, false);
@@ -79,6 +84,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   rayfield::cli::install_interrupt_handlers();
+  // A file that outgrows its limit is then an error of write() like a full disk, and not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {

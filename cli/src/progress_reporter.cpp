@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "text.h"
+
 namespace rayfield::cli {
 namespace {
 
@@ -66,9 +68,10 @@ void ProgressReporter::warn(std::string_view message) {
   const std::lock_guard lock(mutex_);
   if (style_ == ProgressStyle::json) {
     const nlohmann::ordered_json line = {{"event", "warning"}, {"message", std::string(message)}};
-    fmt::print(stderr, "{}\n", line.dump());
+    fmt::print(stderr, "{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (style_ != ProgressStyle::none) {
-    fmt::print(stderr, "{}warning: {}\n", style_ == ProgressStyle::bar && open_ ? "\r\x1b[K" : "", message);
+    fmt::print(stderr, "{}warning: {}\n", style_ == ProgressStyle::bar && open_ ? "\r\x1b[K" : "",
+               printable(std::string(message)));
   }
 }
 

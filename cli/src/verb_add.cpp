@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "add_scan.h"
@@ -19,19 +20,24 @@ struct AddArguments {
 };
 
 // What --dry-run says: how much there is to read and about what the tiles will take.
-Result<Outcome> describe_add(const tile::Store& store, const std::vector<std::filesystem::path>& clouds) {
+Result<Outcome> describe_add(const tile::Store& store, const ScanInputs& inputs, Progress& progress) {
   constexpr std::uint64_t kBytesPerRay = 20;  // upper bound for vineyards, docs/store-format.md
   std::uint64_t rays = 0;
-  for (const auto& path : clouds) {
-    if (is_log(path)) continue;  // how many rays a log gives is known when it was registered
+  for (const auto& path : inputs.files) {
+    if (is_log(path)) {
+      RAYFIELD_CHECK(require_rig(path, inputs));
+      RAYFIELD_ASSIGN(const OpenedLog log, open_log(path.string(), inputs.rig_file, store.config().crs, progress));
+      rays += log.report.points.points;
+      continue;
+    }
     RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path.string()));
     rays += reader->ray_count().value_or(0);
   }
   Outcome outcome;
   outcome.data = {
       {"store", store.folder().string()}, {"dry_run", true}, {"rays", rays}, {"disk_bytes", rays * kBytesPerRay}};
-  outcome.text =
-      fmt::format("Would add {} rays; the tiles will take up to {}\n", grouped(rays), bytes_text(rays * kBytesPerRay));
+  outcome.text = fmt::format("Would add up to {} rays; the tiles will take up to {}\n", grouped(rays),
+                             bytes_text(rays * kBytesPerRay));
   return outcome;
 }
 
@@ -46,8 +52,9 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
   ScanInputs inputs = arguments.inputs;
   inputs.files.assign(arguments.files.begin(), arguments.files.end());
-  if (context.options.dry_run) return describe_add(store, inputs.files);
-  RAYFIELD_ASSIGN(const tile::AddReport report, add_scan(store, inputs, options, context.progress));
+  if (context.options.dry_run) return describe_add(store, inputs, context.progress);
+  RAYFIELD_ASSIGN(const AddedScan added, add_scan(store, inputs, options, context.progress));
+  const tile::AddReport& report = added.report;
 
   Outcome outcome;
   outcome.data = {
@@ -69,7 +76,8 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   }
   outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
                              report.tile_count, bytes_text(report.bytes_written));
-  for (const std::string& warning : report.warnings) context.progress.warn(warning);
+  for (const std::string& warning : report.warnings)
+    if (std::find(added.said.begin(), added.said.end(), warning) == added.said.end()) context.progress.warn(warning);
   return outcome;
 }
 

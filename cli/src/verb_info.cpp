@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "drive_log.h"
 #include "rayfield/core/date.h"
+#include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
 #include "rayfield/tile/tile.h"
 #include "text.h"
@@ -33,7 +35,8 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
     }
     rays += count;
     context.progress.advance(count);
-    if (context.progress.cancelled()) return fail(ErrorCode::interrupted, "interrupted", path, "", "");
+    if (context.progress.cancelled())
+      return fail(ErrorCode::interrupted, "interrupted", path, "", "run the same command again");
   }
   Outcome outcome;
   outcome.data = {
@@ -56,6 +59,54 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
   return outcome;
 }
 
+// Width of the column of topics.
+std::size_t topic_width(const formats::LogInfo& info) {
+  std::size_t width = 20;
+  for (const formats::TopicInfo& topic : info.topics) width = std::max(width, topic.topic.size());
+  return std::min<std::size_t>(width, 60);
+}
+
+// What the ranges, the accelerometer and the fixes look like: enough to see a wrong unit or place at a glance.
+void describe_sensors(const formats::LogInfo& info, Outcome& outcome) {
+  using nlohmann::ordered_json;
+  const std::size_t width = topic_width(info);
+  for (const char* list : {"lidars", "imus", "gps"}) outcome.data[list] = ordered_json::array();
+  for (const formats::LidarInfo& lidar : info.lidars) {
+    const double none = static_cast<double>(lidar.nan + lidar.infinite + lidar.zero) /
+                        static_cast<double>(std::max<std::uint64_t>(lidar.points, 1));
+    outcome.data["lidars"].push_back({{"topic", lidar.topic},
+                                      {"points_per_message", lidar.points_per_message},
+                                      {"smallest_range_m", lidar.smallest_m},
+                                      {"largest_range_m", lidar.largest_m},
+                                      {"without_return", none}});
+    outcome.text +=
+        fmt::format("  {:<{}} {:.0f} points a message, ranges {:.2f} to {:.2f} m, {:.0f} % without a return\n",
+                    lidar.topic, width, lidar.points_per_message, lidar.smallest_m, lidar.largest_m, 100 * none);
+  }
+  for (const formats::ImuInfo& imu : info.imus) {
+    outcome.data["imus"].push_back({{"topic", imu.topic},
+                                    {"mean_acceleration_m_s2", imu.mean_acceleration_m_s2},
+                                    {"largest_rate_rad_s", imu.largest_rate_rad_s}});
+    outcome.text += fmt::format("  {:<{}} mean acceleration {:.2f} m/s², fastest turn {:.2f} rad/s\n", imu.topic, width,
+                                imu.mean_acceleration_m_s2, imu.largest_rate_rad_s);
+  }
+  for (const formats::GpsInfo& gps : info.gps) {
+    const double latitude = (gps.south_deg + gps.north_deg) / 2, longitude = (gps.west_deg + gps.east_deg) / 2;
+    const std::string utm = gps.fixes > 0 ? utm_code(latitude, longitude) : std::string();
+    ordered_json entry = {{"topic", gps.topic}, {"fixes", gps.fixes}};
+    if (gps.fixes > 0) {
+      entry["south_west_deg"] = {gps.south_deg, gps.west_deg};
+      entry["north_east_deg"] = {gps.north_deg, gps.east_deg};
+      entry["utm"] = utm;
+    }
+    outcome.data["gps"].push_back(std::move(entry));
+    outcome.text += gps.fixes > 0
+                        ? fmt::format("  {:<{}} latitude {:.6f}, longitude {:.6f}, {:.0f} m; UTM zone {}\n", gps.topic,
+                                      width, latitude, longitude, (gps.lowest_m + gps.highest_m) / 2, utm)
+                        : fmt::format("  {:<{}} no fix\n", gps.topic, width);
+  }
+}
+
 // What a log holds, its problems, and a rig file to start from.
 Result<Outcome> inspect_drive_log(const std::string& path, const Context& context) {
   formats::LogOptions options;
@@ -72,6 +123,7 @@ Result<Outcome> inspect_drive_log(const std::string& path, const Context& contex
                   {"problems", info.problems()},
                   {"proposed_rig", formats::propose_rig(info)}};
   outcome.text = fmt::format("{}: log of {:.1f} s from {}\n", path, info.duration_s, utc_text(info.first_record_s));
+  const std::size_t width = topic_width(info);
   for (const formats::TopicInfo& topic : info.topics) {
     outcome.data["topics"].push_back({{"topic", topic.topic},
                                       {"type", topic.type},
@@ -79,11 +131,13 @@ Result<Outcome> inspect_drive_log(const std::string& path, const Context& contex
                                       {"rate_hz", topic.rate_hz},
                                       {"longest_gap_s", topic.longest_gap_s},
                                       {"gaps", topic.gaps},
+                                      {"clock_jumps", topic.clock_jumps},
                                       {"backwards", topic.backwards},
                                       {"repeated", topic.repeated}});
-    outcome.text += fmt::format("  {:<28} {:<26} {:>8} messages, {:.1f} Hz, longest gap {:.2f} s\n", topic.topic,
+    outcome.text += fmt::format("  {:<{}} {:<26} {:>8} messages, {:.1f} Hz, longest gap {:.3f} s\n", topic.topic, width,
                                 topic.type, topic.messages, topic.rate_hz, topic.longest_gap_s);
   }
+  describe_sensors(info, outcome);
   for (const std::string& problem : info.problems()) outcome.text += fmt::format("  problem: {}\n", problem);
   outcome.text += "\nA rig file to start from:\n\n" + formats::propose_rig(info);
   return outcome;

@@ -1,10 +1,13 @@
 #include <fmt/core.h>
 
-#include <fstream>
+#include <array>
 #include <memory>
+#include <vector>
 
 #include "drive_log.h"
 #include "drive_picture.h"
+#include "output_paths.h"
+#include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
 #include "text.h"
 #include "verbs.h"
@@ -16,19 +19,36 @@ struct SlamArguments {
   std::string log, rig, crs, cloud, trajectory, report, picture, given;
 };
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text << std::flush;
-  if (!file)
-    return fail(ErrorCode::resources, "cannot write report", path, "the file was not taken",
-                "check folder, space and permission");
-  return {};
+Result<void> check_paths(const SlamArguments& arguments, bool overwrite) {
+  std::vector<OutputPath> outputs{{"-o", "cannot write ray cloud", arguments.cloud}};
+  for (const auto& [option, what, path] : {std::tuple("--trajectory", "cannot write trajectory", &arguments.trajectory),
+                                           std::tuple("--report", "cannot write report", &arguments.report),
+                                           std::tuple("--picture", "cannot write picture", &arguments.picture)})
+    if (!path->empty()) outputs.push_back({option, what, *path});
+  const std::array<std::string, 3> inputs{arguments.log, arguments.rig, arguments.given};
+  return check_outputs(outputs, inputs, overwrite);
+}
+
+// What --dry-run says: reads the log once, as the run would, and bounds what the cloud will take.
+Result<Outcome> describe_slam(const SlamArguments& arguments, Progress& progress) {
+  constexpr std::uint64_t kBytesPerRay = 48;
+  RAYFIELD_ASSIGN(const OpenedLog log, open_log(arguments.log, arguments.rig, arguments.crs, progress));
+  const std::uint64_t rays = log.report.points.points;
+  Outcome outcome;
+  outcome.data = {{"log", arguments.log}, {"cloud", arguments.cloud},          {"dry_run", true},
+                  {"rays_at_most", rays}, {"disk_bytes", rays * kBytesPerRay}, {"warnings", log.warnings}};
+  outcome.text = fmt::format("Would register {} and write up to {} rays, {}\n", arguments.log, grouped(rays),
+                             bytes_text(rays * kBytesPerRay));
+  return outcome;
 }
 
 // Streams the rays into the cloud; counts them in plan for the picture.
 Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& arguments, Grid2<std::uint32_t>& hits,
                                  Progress& progress) {
-  RAYFIELD_ASSIGN(formats::PlyWriter cloud, formats::PlyWriter::create(arguments.cloud, {drive.trajectory->crs}));
+  // A cloud in a local frame says so, lest it be added to a store as if it were in the store's CRS.
+  const std::string& crs = drive.trajectory->crs;
+  RAYFIELD_ASSIGN(formats::PlyWriter cloud,
+                  formats::PlyWriter::create(arguments.cloud, {crs.empty() ? kLocalFrame : crs}));
   progress.stage("rays", 0, "rays");
   RayBatch batch;
   while (true) {
@@ -45,20 +65,14 @@ Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& ar
 }
 
 Result<Outcome> run_slam_verb(const SlamArguments& arguments, const Context& context) {
-  Outcome outcome;
-  if (context.options.dry_run) {
-    RAYFIELD_CHECK(formats::read_rig(arguments.rig));
-    outcome.data = {{"log", arguments.log}, {"dry_run", true}};
-    outcome.text = fmt::format("Would register {}\n", arguments.log);
-    return outcome;
-  }
-  if (std::filesystem::exists(arguments.cloud) && !context.options.overwrite)
-    return fail(ErrorCode::usage, "cannot write ray cloud", arguments.cloud, "it is there already",
-                "give another -o, or --overwrite");
-  auto registered =
-      arguments.given.empty()
-          ? register_drive(arguments.log, arguments.rig, arguments.crs, context.options.threads, context.progress)
-          : follow_trajectory(arguments.log, arguments.rig, arguments.given, arguments.crs, context.progress);
+  RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));
+  if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));
+  RAYFIELD_CHECK(formats::PlyWriteOptions{arguments.crs}.validate());
+  if (context.options.dry_run) return describe_slam(arguments, context.progress);
+  auto registered = arguments.given.empty() ? register_drive(arguments.log, arguments.rig, arguments.crs, false,
+                                                             context.options.threads, context.progress)
+                                            : follow_trajectory(arguments.log, arguments.rig, arguments.given,
+                                                                arguments.crs, context.progress);
   if (!registered) return tl::make_unexpected(std::move(registered).error());
   RegisteredDrive& drive = *registered;
   Grid2<std::uint32_t> hits;
@@ -67,16 +81,21 @@ Result<Outcome> run_slam_verb(const SlamArguments& arguments, const Context& con
   if (!arguments.trajectory.empty())
     RAYFIELD_CHECK(
         formats::write_trajectory(arguments.trajectory, {drive.trajectory->poses, drive.trajectory->crs, "IMU"}));
-  if (!arguments.report.empty()) RAYFIELD_CHECK(write_text(arguments.report, slam::report_json(drive.report) + "\n"));
+  if (!arguments.report.empty())
+    RAYFIELD_CHECK(
+        formats::write_text_file(arguments.report, slam::report_json(drive.report) + "\n", "cannot write report"));
   if (!arguments.picture.empty()) RAYFIELD_CHECK(write_drive_picture(drive, hits, arguments.picture));
 
-  std::vector<std::string> warnings = drive.log_warnings;
-  for (const std::string& warning : drive.rays->warnings()) warnings.push_back(warning);
-  for (const std::string& warning : warnings) context.progress.warn(warning);
+  for (const std::string& warning : drive.rays->warnings()) context.progress.warn(warning);
+  if (context.options.json)  // else they stand in the summary
+    for (const std::string& warning : drive.report.warnings) context.progress.warn(warning);
+  const std::vector<std::string> warnings = all_warnings(drive);
+  Outcome outcome;
   outcome.data = {{"log", arguments.log},
                   {"cloud", arguments.cloud},
                   {"rays", rays},
                   {"crs", drive.trajectory->crs},
+                  {"georeferenced", !drive.trajectory->crs.empty()},
                   {"warnings", warnings}};
   if (arguments.given.empty()) outcome.data["report"] = nlohmann::ordered_json::parse(slam::report_json(drive.report));
   outcome.text = (arguments.given.empty() ? slam::report_summary(drive.report) : "") +

@@ -5,7 +5,9 @@
 
 #include <Eigen/LU>
 #include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -127,6 +129,33 @@ double MapFrame::scale_factor(const Eigen::Vector3d& p) const {
 }
 
 const CrsInfo& MapFrame::crs() const { return impl_->info; }
+
+std::string utm_code(double latitude_deg, double longitude_deg) {
+  if (!(latitude_deg >= -80 && latitude_deg <= 84) || !std::isfinite(longitude_deg)) return {};
+  const double east_of_antimeridian = longitude_deg + 180 - 360 * std::floor((longitude_deg + 180) / 360);
+  const int zone = std::min(60, 1 + static_cast<int>(east_of_antimeridian / 6));
+  return fmt::format("EPSG:{}", (latitude_deg < 0 ? 32700 : 32600) + zone);
+}
+
+Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& llh) {
+  constexpr double kTolerance = 0.01, kMaxConvergence_deg = 60;
+  RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(code));
+  const Eigen::Vector3d p = frame.map_from_geodetic(llh);
+  const double scale = p.allFinite() ? frame.scale_factor(p) : std::numeric_limits<double>::quiet_NaN();
+  // On the far side of the Earth a transverse Mercator is true to scale again, upside down.
+  const double turned_deg = std::isfinite(scale) ? std::abs(frame.convergence_rad(p)) * 180 / std::numbers::pi : 0;
+  if (std::abs(scale - 1) <= kTolerance && turned_deg <= kMaxConvergence_deg) return {};
+  const std::string place = fmt::format("latitude {:.4f}, longitude {:.4f}", llh.x(), llh.y());
+  const std::string utm = utm_code(llh.x(), llh.y());
+  std::string why = fmt::format("it has no coordinates for {}", place);
+  if (std::isfinite(scale))
+    why = fmt::format("at {} a metre is {:.3f} m on its grid, so areas would be wrong", place, scale);
+  if (turned_deg > kMaxConvergence_deg)
+    why = fmt::format("at {} its grid north is {:.0f}° off true north: it is made for another part of the Earth", place,
+                      turned_deg);
+  return fail(ErrorCode::usage, "cannot use coordinate reference system", code, why,
+              "give a CRS made for that place" + (utm.empty() ? utm : ", e.g. " + utm));
+}
 
 struct TangentPlane::Impl {
   GeographicLib::LocalCartesian plane;

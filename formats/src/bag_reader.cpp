@@ -19,10 +19,17 @@ constexpr std::uint32_t kMaxConnectionBytes = std::uint32_t{1} << 20;
 
 Result<void> check_magic(FileWindow& window) {
   const std::string& path = window.file().path();
-  if (window.file().size() == 0) return fail(ErrorCode::bad_input, kWhat, path, "the file is empty");
+  if (window.file().size() == 0) {
+    return fail(ErrorCode::bad_input, kWhat, path, "the file is empty",
+                "copy it from the vehicle again, or take another recording");
+  }
   RAYFIELD_ASSIGN(const std::span<const std::byte> bytes, window.view(0, 32));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with(kBagMagic)) return {};
+  if (text.size() < kBagMagic.size() && kBagMagic.starts_with(text)) {
+    return fail(ErrorCode::bad_input, kWhat, path, "the file ends within its first line",
+                "copy it from the vehicle again, or take another recording");
+  }
   if (text.starts_with("#ROSBAG V")) {
     return fail(ErrorCode::bad_input, kWhat, path, "an old bag format, not version 2.0",
                 "convert it with `rosbag fix`");
@@ -48,10 +55,12 @@ std::vector<std::string> BagSummary::problems() const {
   std::vector<std::string> lines;
   if (!indexed) lines.push_back("the bag has no index: the recording was not closed, or the file was cut");
   for (const BagLoss& loss : losses) {
-    char seconds[64];
-    std::snprintf(seconds, sizeof seconds, "%s%.3f s", loss.seconds_estimated ? "about " : "", loss.seconds);
-    lines.push_back(std::to_string(loss.bytes) + " bytes (" + seconds + ") lost at byte " +
-                    std::to_string(loss.offset) + ": " + loss.reason);
+    char seconds[64] = "";
+    if (loss.seconds > 0 || !loss.seconds_estimated) {
+      std::snprintf(seconds, sizeof seconds, " (%s%.3f s)", loss.seconds_estimated ? "about " : "", loss.seconds);
+    }
+    lines.push_back(std::to_string(loss.bytes) + " bytes" + seconds + " lost at byte " + std::to_string(loss.offset) +
+                    ": " + loss.reason);
   }
   if (loss_count > losses.size()) {
     lines.push_back(std::to_string(loss_count - losses.size()) + " more losses, " + std::to_string(lost_bytes) +

@@ -70,7 +70,7 @@ Result<InputFile> InputFile::open(const std::string& path, const std::string& wh
   file.what_ = what;
   // Without O_NONBLOCK, opening a pipe would wait for its writer before it could be refused.
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file.descriptor_ < 0) return fail_errno(errno, what, path);
+  if (file.descriptor_ < 0) return fail_errno(errno, what, path, "check the path and its permissions");
   struct stat status = {};
   if (::fstat(file.descriptor_, &status) != 0) return fail_errno(errno, what, path);
   if (!S_ISREG(status.st_mode)) {
@@ -148,7 +148,10 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
     file.temporary_ = path + ".partial-" + std::to_string(entropy());
     file.descriptor_ = ::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file.descriptor_ >= 0) break;
-    if (errno != EEXIST) return fail_errno(errno, what, path, "check that the folder exists and can be written to");
+    if (errno == ENOENT || errno == ENOTDIR) {
+      return fail(ErrorCode::usage, what, path, "there is no such folder", "make it, or give another path");
+    }
+    if (errno != EEXIST) return fail_errno(errno, what, path, "check that the folder can be written to");
   }
   if (file.descriptor_ < 0) return fail_errno(EEXIST, what, path);
   file.buffer_.reserve(kWriteBuffer);

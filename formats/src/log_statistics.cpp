@@ -8,16 +8,23 @@
 
 namespace rayfield::formats {
 
-void StampStatistics::add(std::int64_t stamp_ns) {
+void StampStatistics::add(std::int64_t stamp_ns, std::int64_t log_clock_ns, const LogOptions& options) {
   constexpr double kShortestGap_s = 0.1;
   if (messages_++ == 0) {
     first_ns_ = last_ns_ = latest_ns_ = stamp_ns;
+    last_clock_ns_ = log_clock_ns;
     return;
   }
   const double interval_s = static_cast<double>(stamp_ns - last_ns_) * 1e-9;
   last_ns_ = stamp_ns;
   first_ns_ = std::min(first_ns_, stamp_ns);
   latest_ns_ = std::max(latest_ns_, stamp_ns);
+  const double passed_s = static_cast<double>(log_clock_ns - last_clock_ns_) * 1e-9;
+  last_clock_ns_ = log_clock_ns;
+  if (interval_s < -options.clock_jump_back_s || interval_s - passed_s > options.clock_jump_forward_s) {
+    ++clock_jumps_;
+    return;
+  }
   if (interval_s < 0) ++backwards_;
   if (interval_s == 0) ++repeated_;
   if (interval_s <= 0) return;
@@ -45,6 +52,7 @@ void StampStatistics::report(TopicInfo& topic) const {
   topic.gaps = gaps_;
   topic.backwards = backwards_;
   topic.repeated = repeated_;
+  topic.clock_jumps = clock_jumps_;
 }
 
 void LidarStatistics::add_range(double range_m) {
@@ -137,7 +145,7 @@ void GpsStatistics::add(const GpsFix& fix) {
   widen(fix.height_m, info_.lowest_m, info_.highest_m);
 }
 
-void JointStatistics::add(const JointStateView& state) {
+void JointStatistics::add(const JointStateView& state, double time_s) {
   constexpr std::size_t kMaxJoints = 32;
   constexpr std::size_t kMaxName = 256;
   const std::size_t count = std::min(state.name.size(), state.position.size() / sizeof(double));
@@ -147,9 +155,12 @@ void JointStatistics::add(const JointStateView& state) {
     if (!std::isfinite(angle) || name.size() > kMaxName) continue;
     const auto joint = std::find_if(joints_.begin(), joints_.end(), [&](const Joint& j) { return j.name == name; });
     if (joint == joints_.end()) {
-      if (joints_.size() < kMaxJoints) joints_.push_back({std::string(name), angle, 0});
+      if (joints_.size() >= kMaxJoints) continue;
+      joints_.push_back({std::string(name), angle, 0, {}});
+      joints_.back().still.add(time_s, angle);
       continue;
     }
+    joint->still.add(time_s, angle);
     joint->travelled_rad += std::abs(std::remainder(angle - joint->last_rad, 2 * std::numbers::pi));
     joint->last_rad = angle;
   }
@@ -157,7 +168,7 @@ void JointStatistics::add(const JointStateView& state) {
 
 std::vector<JointInfo> JointStatistics::report() const {
   std::vector<JointInfo> list;
-  for (const Joint& joint : joints_) list.push_back({topic_, joint.name, joint.travelled_rad});
+  for (const Joint& joint : joints_) list.push_back({topic_, joint.name, joint.travelled_rad, joint.still.longest_s()});
   return list;
 }
 

@@ -8,13 +8,15 @@
 
 #include "rayfield/formats/log_info.h"
 #include "ros_messages.h"
+#include "still_watch.h"
 
 namespace rayfield::formats {
 
 /// Regularity of a topic's stamps, in constant memory.
 class StampStatistics {
  public:
-  void add(std::int64_t stamp_ns);
+  /// `log_clock_ns`: the time that passed in the recording, jumps of its clock taken out.
+  void add(std::int64_t stamp_ns, std::int64_t log_clock_ns, const LogOptions& options);
   void report(TopicInfo& topic) const;
 
  private:
@@ -23,8 +25,8 @@ class StampStatistics {
   static constexpr std::size_t kIntervals = 1000;
   static constexpr std::size_t kLearning = 20;
   std::vector<double> intervals_s_;  // the first ones, for the median
-  std::uint64_t messages_ = 0, backwards_ = 0, repeated_ = 0, gaps_ = 0;
-  std::int64_t first_ns_ = 0, last_ns_ = 0, latest_ns_ = 0;
+  std::uint64_t messages_ = 0, backwards_ = 0, repeated_ = 0, gaps_ = 0, clock_jumps_ = 0;
+  std::int64_t first_ns_ = 0, last_ns_ = 0, latest_ns_ = 0, last_clock_ns_ = 0;
   double longest_gap_s_ = 0;
   double usual_s_ = 0;  // known after kLearning intervals
 };
@@ -68,13 +70,14 @@ class GpsStatistics {
 class JointStatistics {
  public:
   explicit JointStatistics(std::string topic) : topic_(std::move(topic)) {}
-  void add(const JointStateView& state);
+  void add(const JointStateView& state, double time_s);
   std::vector<JointInfo> report() const;
 
  private:
   struct Joint {
     std::string name;
     double last_rad = 0, travelled_rad = 0;
+    StillWatch still;
   };
   std::string topic_;
   std::vector<Joint> joints_;

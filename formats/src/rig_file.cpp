@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "file_io.h"
+#include "rayfield/core/text_file.h"
 #include "toml_text.h"
 
 namespace rayfield::formats {
 namespace {
 
 constexpr const char* kWhat = "cannot use rig file";
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20;
 constexpr double kUnitTolerance = 1e-3;
 
 /// One table of the file. Keys are taken by name; finish() refuses those that nobody took. The first error stays.
@@ -228,18 +228,6 @@ std::string_view no_return_text(NoReturn no_return) {
   return no_return == NoReturn::zero ? "zero" : no_return == NoReturn::max_range ? "max" : "inf";
 }
 
-/// TOML allows no control characters but tab and line ends. toml++ 3.3 takes it for granted in places that none comes,
-/// so they are refused before it sees them. Returns the line of the first one; 0 where there is none.
-std::size_t line_of_control_character(std::string_view text) {
-  std::size_t line = 1;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f) return line;
-    if (c == '\n') ++line;
-  }
-  return 0;
-}
-
 }  // namespace
 
 Result<void> validate_rig(const Rig& rig) {
@@ -263,10 +251,7 @@ Result<void> validate_rig(const Rig& rig) {
 }
 
 Result<Rig> parse_rig(std::string_view text, const std::string& name) {
-  if (const std::size_t line = line_of_control_character(text); line != 0) {
-    return fail(ErrorCode::usage, kWhat, fmt::format("{}, line {}", name, line), "a control character",
-                "see docs/rig.md");
-  }
+  RAYFIELD_CHECK(check_toml_text(text, kWhat, name, "see docs/rig.md"));
   toml::table parsed;
   try {
     parsed = toml::parse(text);
@@ -294,11 +279,7 @@ Result<Rig> parse_rig(std::string_view text, const std::string& name) {
 }
 
 Result<Rig> read_rig(const std::string& path) {
-  RAYFIELD_ASSIGN(const InputFile file, InputFile::open(path, kWhat));
-  if (file.size() > kMaxFileBytes) return fail(ErrorCode::bad_input, kWhat, path, "larger than 1 MiB: no rig file");
-  std::string text(static_cast<std::size_t>(file.size()), '\0');
-  RAYFIELD_ASSIGN(const std::size_t got, file.read_at(0, std::as_writable_bytes(std::span<char>(text))));
-  text.resize(got);
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path, kWhat));
   return parse_rig(text, path);
 }
 

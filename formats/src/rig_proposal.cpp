@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "rayfield/formats/log_info.h"
 #include "toml_text.h"
@@ -63,10 +62,10 @@ std::string propose_rig(const LogInfo& info) {
   std::string text = "# Proposed from the log. Check it, and fill in how the sensors are mounted (docs/rig.md).\n";
   const LidarInfo* lidar = busiest(info, info.lidars);
   text += lidar != nullptr ? lidar_text(*lidar) : "# [lidar]  the log has none that rayfield reads\n";
-  // A spinner is a joint that goes round: at least one full turn.
+  // A spinner is a joint that goes round.
   const JointInfo* spinner = nullptr;
   for (const JointInfo& joint : info.joints) {
-    if (joint.travelled_rad < 2 * std::numbers::pi) continue;
+    if (!joint.turns()) continue;
     if (spinner == nullptr || joint.travelled_rad > spinner->travelled_rad) spinner = &joint;
   }
   if (spinner != nullptr) {

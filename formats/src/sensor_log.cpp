@@ -10,11 +10,16 @@
 #include "message_order.h"
 #include "ros_messages.h"
 #include "sensor_topics.h"
+#include "still_watch.h"
 
 namespace rayfield::formats {
 namespace {
 
 constexpr const char* kWhat = "cannot read log";
+/// What no sensor on a vehicle measures, and a single flipped bit makes: beyond 4000 °/s, 200 g and 10⁵ turns.
+constexpr double kMaxRate_rad_s = 100;
+constexpr double kMaxAcceleration_m_s2 = 2000;
+constexpr double kMaxAngle_rad = 1e6;
 
 /// Decodes ordered messages and hands them to the sink; keeps the counts that arise there.
 class Delivery {
@@ -39,12 +44,15 @@ class Delivery {
   LidarDecoder lidar_;
   std::array<TopicReport, 4> topics_;
   std::set<std::string> other_joints_;
+  StillWatch still_;
 };
 
 DecodeState Delivery::decode_imu_message(const HeldMessage& message) {
   std::optional<ImuSample> sample = decode_imu(message.data);
   if (!sample) return DecodeState::undecodable;
-  if (!sample->angular_velocity_rad_s.allFinite() || !sample->linear_acceleration_m_s2.allFinite()) {
+  // Also false for NaN.
+  if (!(sample->angular_velocity_rad_s.norm() < kMaxRate_rad_s) ||
+      !(sample->linear_acceleration_m_s2.norm() < kMaxAcceleration_m_s2)) {
     return DecodeState::invalid;
   }
   sample->time_s = seconds_from_ns(message.stamp_ns);
@@ -82,7 +90,10 @@ DecodeState Delivery::decode_spinner_message(const HeldMessage& message) {
       if (other_joints_.size() < kMaxNames) other_joints_.emplace(name.substr(0, 64));
     }
   }
-  if (!angle || !std::isfinite(*angle)) return DecodeState::invalid;
+  if (!angle || !(std::abs(*angle) < kMaxAngle_rad)) return DecodeState::invalid;
+  still_.add(seconds_from_ns(message.stamp_ns), *angle);
+  topic(SensorKind::spinner).longest_still_s = still_.longest_s();
+  topic(SensorKind::spinner).longest_still_start_s = still_.longest_since_s();
   sink_.spinner({seconds_from_ns(message.stamp_ns), *angle});
   return DecodeState::usable;
 }
@@ -119,8 +130,9 @@ Result<void> Delivery::deliver(SensorKind kind, const HeldMessage& message) {
   const double stamp_s = seconds_from_ns(message.stamp_ns);
   if (counts.delivered == 0) {
     counts.first_s = stamp_s;
-  } else {
-    counts.longest_gap_s = std::max(counts.longest_gap_s, stamp_s - counts.last_s);
+  } else if (stamp_s - counts.last_s > counts.longest_gap_s) {
+    counts.longest_gap_s = stamp_s - counts.last_s;
+    counts.longest_gap_start_s = counts.last_s;
   }
   counts.last_s = stamp_s;
   ++counts.delivered;
@@ -173,6 +185,19 @@ class Routing {
   std::map<std::uint32_t, std::optional<SensorKind>> kinds_;
 };
 
+/// A log without GPS can be used; a GPS topic that is called otherwise in the rig than in the log is a mistake.
+Result<void> check_gps_topic(const Rig& rig, const std::vector<BagConnection>& connections, const std::string& path) {
+  const std::optional<std::string> topic = rig_topic(rig, SensorKind::gps);
+  if (!topic) return {};
+  bool others = false;
+  for (const BagConnection& connection : connections) {
+    if (connection.topic == *topic) return {};
+    others = others || serves(connection.type, SensorKind::gps);
+  }
+  if (others) return missing_sensor_topic(SensorKind::gps, *topic, connections, path);
+  return {};
+}
+
 /// Errors for sensors that must be in the log: the first one that is not in `connections`.
 Result<void> check_present(const std::string& path, const Rig& rig, const LogOptions& options,
                            const std::vector<BagConnection>& connections) {
@@ -186,7 +211,7 @@ Result<void> check_present(const std::string& path, const Rig& rig, const LogOpt
                                     [&](const BagConnection& connection) { return connection.topic == *topic; });
     if (found == connections.end()) return missing_sensor_topic(kind, *topic, connections, path);
   }
-  return {};
+  return check_gps_topic(rig, connections, path);
 }
 
 /// Errors for topics that are there and gave nothing.
@@ -269,7 +294,8 @@ Result<LogReport> read_log(const std::string& path, const Rig& rig, SensorSink& 
     if (options.progress != nullptr && bag.position() >= reported + (std::uint64_t{1} << 20)) {
       options.progress->advance(bag.position() - reported);
       reported = bag.position();
-      if (options.progress->cancelled()) return fail(ErrorCode::interrupted, kWhat, path, "stopped");
+      if (options.progress->cancelled())
+        return fail(ErrorCode::interrupted, kWhat, path, "stopped by the user", "run the same command again");
     }
   }
   RAYFIELD_CHECK(order.finish());
@@ -278,13 +304,15 @@ Result<LogReport> read_log(const std::string& path, const Rig& rig, SensorSink& 
   if (bag.summary().messages == 0) {
     return fail(ErrorCode::bad_input, kWhat, path,
                 "the bag holds no messages" +
-                    (bag.summary().lost_bytes > 0 ? ": " + bag.summary().problems().back() : std::string()));
+                    (bag.summary().lost_bytes > 0 ? ": " + bag.summary().problems().back() : std::string()),
+                "copy it from the vehicle again, or take another recording");
   }
   RAYFIELD_CHECK(check_present(path, rig, options, bag.connections()));
   RAYFIELD_CHECK(check_useful(path, rig, options, delivery));
   for (const SensorKind kind : kSensorKinds) report.topics[static_cast<std::size_t>(kind)] = delivery.topic(kind);
   report.bag = bag.summary();
   report.points = delivery.points();
+  report.segment = options.segment;
   report_segments(order, report);
   return report;
 }

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <utility>
+
+#include "coverage.h"
 #include "rayfield/core/date.h"
 #include "rayfield/formats/sensor_log.h"
 #include "sensor_topics.h"
@@ -22,10 +25,56 @@ void add_topic_warnings(const TopicReport& topic, SensorKind kind, std::vector<s
   line(topic.late, "of those too late to be put back in order, left out");
   line(topic.stray_stamps, "messages with a stray time stamp left out");
   line(topic.without_stamp, "messages without a time stamp: recording time taken");
-  line(topic.other_segments, "messages in other segments of the log left out");
   line(topic.undecodable, "malformed messages left out");
   line(topic.invalid - topic.without_position, "messages without a valid value left out");
   line(topic.without_position, "messages without a fix left out");
+}
+
+/// How long a sensor may be silent, or begin or end apart from the others, without a word.
+double tolerated_silence_s(SensorKind kind) {
+  switch (kind) {
+    case SensorKind::imu:
+      return 0.5;
+    case SensorKind::gps:
+      return 5.0;
+    case SensorKind::spinner:
+    case SensorKind::lidar:
+      break;
+  }
+  return 1.0;
+}
+
+void add_silences(const LogReport& report, std::vector<std::string>& lines) {
+  std::vector<SensorSpan> spans;
+  for (const SensorKind kind : kSensorKinds) {
+    const TopicReport& topic = report.topic(kind);
+    if (topic.delivered == 0) continue;
+    const std::string name = fmt::format("{} {}", sensor_name(kind), topic.topic);
+    spans.push_back({name, topic.first_s, topic.last_s, tolerated_silence_s(kind)});
+    if (topic.longest_gap_s > tolerated_silence_s(kind)) {
+      lines.push_back(fmt::format("{}: silent for {:.1f} s from {}", name, topic.longest_gap_s,
+                                  utc_text(topic.longest_gap_start_s)));
+    }
+    if (topic.longest_still_s > tolerated_silence_s(kind)) {
+      lines.push_back(fmt::format("{}: stands still for {:.1f} s from {}", name, topic.longest_still_s,
+                                  utc_text(topic.longest_still_start_s)));
+    }
+  }
+  for (std::string& line : coverage_problems(spans)) lines.push_back(std::move(line));
+}
+
+/// Which part of a log with clock jumps is used.
+void add_segments(const LogReport& report, std::vector<std::string>& lines) {
+  const std::size_t count = report.segments.size(), used = static_cast<std::size_t>(report.segment);
+  if (count < 2 || used >= count) return;
+  const auto length_s = [&](std::size_t i) { return report.segments[i].last_s - report.segments[i].first_s; };
+  double others_s = 0;
+  for (std::size_t i = 0; i < count; ++i) others_s += i == used ? 0.0 : length_s(i);
+  lines.push_back(
+      fmt::format("the clock jumps {}: of {} segments number {} is used, {:.1f} s from {} to {}; the others, {:.1f} s, "
+                  "are left out",
+                  count == 2 ? "once" : fmt::format("{} times", count - 1), count, used + 1, length_s(used),
+                  utc_text(report.segments[used].first_s), utc_text(report.segments[used].last_s), others_s));
 }
 
 }  // namespace
@@ -33,16 +82,8 @@ void add_topic_warnings(const TopicReport& topic, SensorKind kind, std::vector<s
 std::vector<std::string> LogReport::warnings() const {
   std::vector<std::string> lines = bag.problems();
   for (const SensorKind kind : kSensorKinds) add_topic_warnings(topic(kind), kind, lines);
-  if (segments.size() > 1) {
-    lines.push_back(fmt::format("the clock jumps {} times; the longest of the {} segments is number {}",
-                                segments.size() - 1, segments.size(), longest_segment));
-    constexpr std::size_t kListed = 10;
-    for (std::size_t i = 0; i < segments.size() && i < kListed; ++i) {
-      lines.push_back(fmt::format("segment {}: {} to {}, {:.1f} s, {} messages", i, utc_text(segments[i].first_s),
-                                  utc_text(segments[i].last_s), segments[i].last_s - segments[i].first_s,
-                                  segments[i].messages));
-    }
-  }
+  add_silences(*this, lines);
+  add_segments(*this, lines);
   const auto share_of = [&](std::uint64_t count) {
     return points.points == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(points.points);
   };

@@ -8,8 +8,6 @@ namespace rayfield::formats {
 namespace {
 
 constexpr const char* kWhat = "cannot read log";
-constexpr const char* kDecodeFirst =
-    "play the bag through the sensor's ROS driver, record its PointCloud2 with time per point, and give that bag";
 
 }  // namespace
 
@@ -58,7 +56,7 @@ Result<void> check_sensor_topic(SensorKind kind, const BagConnection& connection
   const std::string where = path + ", topic " + connection.topic;
   if (is_raw_packets(connection.type)) {
     return fail(ErrorCode::bad_input, kWhat, where, "it holds a sensor's raw packets (" + connection.type + ")",
-                kDecodeFirst);
+                kDecodeRawPackets);
   }
   if (!serves(connection.type, kind)) {
     return fail(ErrorCode::bad_input, kWhat, where,
@@ -82,9 +80,11 @@ tl::unexpected<Error> missing_sensor_topic(SensorKind kind, const std::string& t
     if (list != nullptr) *list += (list->empty() ? "" : ", ") + connection.topic + " (" + connection.type + ")";
   }
   std::string why = "the log has no " + std::string(sensor_name(kind)) + " topic " + topic;
-  if (!fitting.empty()) return fail(ErrorCode::bad_input, kWhat, path, why, "in the rig file, choose from: " + fitting);
+  const std::string otherwise = kind == SensorKind::gps ? "; or leave [gps] out: nothing is georeferenced then" : "";
+  if (!fitting.empty())
+    return fail(ErrorCode::bad_input, kWhat, path, why, "in the rig file, choose from: " + fitting + otherwise);
   if (kind == SensorKind::lidar && !raw.empty()) {
-    return fail(ErrorCode::bad_input, kWhat, path, why + ", only a sensor's raw packets: " + raw, kDecodeFirst);
+    return fail(ErrorCode::bad_input, kWhat, path, why + ", only a sensor's raw packets: " + raw, kDecodeRawPackets);
   }
   return fail(ErrorCode::bad_input, kWhat, path, why + ", and no other topic that could serve",
               "see `rayfield info` for what the log holds");

@@ -10,6 +10,10 @@
 
 namespace rayfield::formats {
 
+/// What to do with a log of raw packets.
+inline constexpr const char* kDecodeRawPackets =
+    "play the bag through the sensor's ROS driver, record its PointCloud2 with time per point, and give that bag";
+
 /// "lidar", "IMU" … for messages.
 std::string_view sensor_name(SensorKind kind);
 

@@ -67,20 +67,4 @@ Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan&
   return registry.finish();
 }
 
-std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground) {
-  std::vector<WoodCylinder> wood;
-  const auto stand = [&](int row, const Eigen::Vector2d& position, const Eigen::Vector2d& lean, double radius_m,
-                         double top_m) {
-    const std::optional<double> height = ground.height(position.x(), position.y());
-    if (!height || radius_m <= 0 || top_m <= 0) return;
-    const Eigen::Vector3d axis(lean.x(), lean.y(), 1);
-    wood.push_back({row, {position.x(), position.y(), *height}, axis.normalized(), radius_m, top_m * axis.norm()});
-  };
-  for (const Post& post : layout.posts)
-    if (post.detected) stand(post.row, post.position, post.lean, post.radius_m, post.height_m);
-  for (const Trunk& trunk : layout.trunks)
-    stand(trunk.row, trunk.position, Eigen::Vector2d::Zero(), trunk.radius_m, trunk.top_m);
-  return wood;
-}
-
 }  // namespace rayfield::density

@@ -28,7 +28,4 @@ Result<BlockLayout> load_layout(const tile::Store& store, const tile::Snapshot& 
 Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan& surveyed,
                                              tile::Store::DerivedWriter& writer, BlockLayout& block);
 
-/// Posts and trunks of the layout as cylinders that stand on the ground.
-std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground);
-
 }  // namespace rayfield::density

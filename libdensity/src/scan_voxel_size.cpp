@@ -71,9 +71,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
     RAYFIELD_ASSIGN(const StretchList stretches,
                     make_stretches(layout, ground, profile, with_voxel_size(work.options.stretches, fit.min_m)));
     RAYFIELD_ASSIGN(const ElementPairs pairs, sample_scan(work, stretches, wood));
-    tile::ArraySet arrays;
-    arrays.kind = "voxelsize";
-    arrays.attributes = "{}";
+    tile::ArraySet arrays{.kind = "voxelsize", .attributes = "{}"};
     arrays.columns["voxel_m"] = std::vector<double>{fitted_size(estimate_element_size(pairs).area_m2, fit)};
     return arrays;
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace rayfield::density {
 
@@ -12,17 +13,20 @@ double half_surface_m2(const WoodCylinder& wood, double from_m, double to_m) {
   return std::numbers::pi * wood.radius_m * std::max(0.0, hi - lo);
 }
 
-std::vector<WoodCylinder> cylinders_of_posts(std::span<const Post> posts, std::span<const double> ground_m) {
-  std::vector<WoodCylinder> out;
-  for (std::size_t i = 0; i < posts.size() && i < ground_m.size(); ++i) {
-    if (!posts[i].detected || !(posts[i].height_m > 0) || !std::isfinite(ground_m[i])) continue;
-    out.push_back({posts[i].row,
-                   {posts[i].position.x(), posts[i].position.y(), ground_m[i]},
-                   Eigen::Vector3d::UnitZ(),
-                   posts[i].radius_m,
-                   posts[i].height_m});
-  }
-  return out;
+std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground) {
+  std::vector<WoodCylinder> wood;
+  const auto stand = [&](int row, const Eigen::Vector2d& position, const Eigen::Vector2d& lean, double radius_m,
+                         double top_m) {
+    const std::optional<double> height = ground.height(position.x(), position.y());
+    if (!height || radius_m <= 0 || top_m <= 0) return;
+    const Eigen::Vector3d axis(lean.x(), lean.y(), 1);
+    wood.push_back({row, {position.x(), position.y(), *height}, axis.normalized(), radius_m, top_m * axis.norm()});
+  };
+  for (const Post& post : layout.posts)
+    if (post.detected) stand(post.row, post.position, post.lean, post.radius_m, post.height_m);
+  for (const Trunk& trunk : layout.trunks)
+    stand(trunk.row, trunk.position, Eigen::Vector2d::Zero(), trunk.radius_m, trunk.top_m);
+  return wood;
 }
 
 bool shell_interval(const WoodCylinder& wood, double shell_m, const Eigen::Vector3d& origin,

@@ -16,25 +16,51 @@ tl::unexpected<Error> singular() {
               "check the IMU units and the extrinsics in the rig file");
 }
 
-// Upper triangle by columns; blocks are sorted so that the matrix does not depend on the order of insertion.
-Sparse sparse_matrix(int blocks, const std::vector<std::pair<int, int>>& where, const std::vector<Matrix6d>& values) {
-  std::vector<std::vector<std::pair<int, std::size_t>>> column(static_cast<std::size_t>(blocks));
-  for (std::size_t k = 0; k < where.size(); ++k)
-    column[static_cast<std::size_t>(where[k].second)].emplace_back(where[k].first, k);
+constexpr double kDenseShare = 0.2;  // of all blocks filled: from here on a dense factor is the faster one
+
+struct Where {
+  int row, column;
+  std::size_t value;
+};
+
+// Blocks by column, then row: sums over them do not depend on the order of insertion.
+std::vector<Where> sorted_blocks(const std::vector<std::pair<int, int>>& where) {
+  std::vector<Where> out;
+  out.reserve(where.size());
+  for (std::size_t k = 0; k < where.size(); ++k) out.push_back({where[k].first, where[k].second, k});
+  std::sort(out.begin(), out.end(),
+            [](const Where& a, const Where& b) { return a.column != b.column ? a.column < b.column : a.row < b.row; });
+  return out;
+}
+
+// Upper triangle of the blocks given (sorted).
+Sparse sparse_matrix(int blocks, const std::vector<Where>& where, const std::vector<Matrix6d>& values) {
   Sparse m(6 * blocks, 6 * blocks);
   m.reserve(static_cast<Eigen::Index>(36 * where.size()));
+  std::size_t begin = 0;
   for (int b = 0; b < blocks; ++b) {
-    auto& rows = column[static_cast<std::size_t>(b)];
-    std::sort(rows.begin(), rows.end());
+    std::size_t end = begin;
+    while (end < where.size() && where[end].column == b) ++end;
     for (int c = 0; c < 6; ++c) {
       m.startVec(6 * b + c);
-      for (const auto& [row, k] : rows)
+      for (std::size_t k = begin; k < end; ++k)
         for (int r = 0; r < 6; ++r)
-          if (row < b || r <= c) m.insertBack(6 * row + r, 6 * b + c) = values[k](r, c);
+          if (where[k].row < b || r <= c) m.insertBack(6 * where[k].row + r, 6 * b + c) = values[where[k].value](r, c);
     }
+    begin = end;
   }
   m.finalize();
   return m;
+}
+
+// out += H·v.
+void add_product(const std::vector<Where>& where, const std::vector<Matrix6d>& values, const Eigen::VectorXd& v,
+                 Eigen::VectorXd& out) {
+  for (const Where& w : where) {
+    const Matrix6d& h = values[w.value];
+    out.segment<6>(6 * w.row).noalias() += h * v.segment<6>(6 * w.column);
+    if (w.row < w.column) out.segment<6>(6 * w.column).noalias() += h.transpose() * v.segment<6>(6 * w.row);
+  }
 }
 
 }  // namespace
@@ -84,6 +110,17 @@ void BlockSystem::add_prior(int block, const Vector6d& offset, const Vector6d& i
   gradient_.segment<6>(6 * block) -= information.cwiseProduct(offset);
 }
 
+void BlockSystem::add_coupling(const LinearResidual<1>& a, const LinearResidual<1>& b, double weight) {
+  for (int i = 0; i < a.blocks; ++i)
+    for (int j = 0; j < b.blocks; ++j) {
+      const int row = a.block[i], column = b.block[j];
+      const Matrix6d m = weight * a.jacobian[i].transpose() * b.jacobian[j];
+      if (row < column) at(row, column) += m;
+      if (row > column) at(column, row) += m.transpose();
+      if (row == column) at(row, row) += m + m.transpose();
+    }
+}
+
 void BlockSystem::add(const BlockSystem& other) {
   gradient_ += other.gradient_;
   if (storage_ == Storage::dense) {
@@ -95,26 +132,65 @@ void BlockSystem::add(const BlockSystem& other) {
 }
 
 Eigen::MatrixXd BlockSystem::dense_matrix() const {
-  Eigen::MatrixXd h(6 * blocks_, 6 * blocks_);
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(6 * blocks_, 6 * blocks_);
+  const auto put = [&h](int r, int c, const Matrix6d& value) {
+    h.block<6, 6>(6 * r, 6 * c) = value;
+    if (r < c) h.block<6, 6>(6 * c, 6 * r) = value.transpose();
+  };
+  if (storage_ == Storage::sparse) {
+    for (std::size_t k = 0; k < where_.size(); ++k) put(where_[k].first, where_[k].second, values_[k]);
+    return h;
+  }
   for (int c = 0; c < blocks_; ++c)
-    for (int r = 0; r <= c; ++r) {
-      h.block<6, 6>(6 * r, 6 * c) = values_[dense_index(r, c)];
-      if (r < c) h.block<6, 6>(6 * c, 6 * r) = values_[dense_index(r, c)].transpose();
-    }
+    for (int r = 0; r <= c; ++r) put(r, c, values_[dense_index(r, c)]);
   return h;
+}
+
+bool BlockSystem::factor_densely() const {
+  const double all = 0.5 * blocks_ * (blocks_ + 1.0);
+  return storage_ == Storage::dense || static_cast<double>(where_.size()) > kDenseShare * all;
 }
 
 Result<Eigen::VectorXd> BlockSystem::solve() const {
   if (!gradient_.allFinite()) return singular();
   Eigen::VectorXd x;
-  if (storage_ == Storage::dense) {
+  if (factor_densely()) {
     const Eigen::LLT<Eigen::MatrixXd> llt(dense_matrix());
     if (llt.info() != Eigen::Success) return singular();
     x = llt.solve(-gradient_);
   } else {
-    const SparseSolver ldlt(sparse_matrix(blocks_, where_, values_));
+    const SparseSolver ldlt(sparse_matrix(blocks_, sorted_blocks(where_), values_));
     if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return singular();
     x = ldlt.solve(-gradient_);
+  }
+  if (!x.allFinite()) return singular();
+  return x;
+}
+
+// Preconditioned conjugate gradients (Saad, Iterative Methods for Sparse Linear Systems, algorithm 9.1).
+Result<Eigen::VectorXd> BlockSystem::solve(const BlockSystem& coupling) const {
+  constexpr int kMaxIterations = 2000;
+  constexpr double kTolerance = 1e-7;
+  if (!gradient_.allFinite()) return singular();
+  const std::vector<Where> own = sorted_blocks(where_), other = sorted_blocks(coupling.where_);
+  const SparseSolver preconditioner(sparse_matrix(blocks_, own, values_));
+  if (preconditioner.info() != Eigen::Success || preconditioner.vectorD().minCoeff() <= 0) return singular();
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(gradient_.size()), q = x, r = -gradient_, z = preconditioner.solve(r),
+                  p = z;
+  double energy = r.dot(z);
+  const double goal = energy * kTolerance * kTolerance;
+  for (int k = 0; k < kMaxIterations && energy > goal; ++k) {
+    q.setZero();
+    add_product(own, values_, p, q);
+    add_product(other, coupling.values_, p, q);
+    const double curvature = p.dot(q);
+    if (!(curvature > 0)) return singular();
+    x += energy / curvature * p;
+    r -= energy / curvature * q;
+    z = preconditioner.solve(r);
+    const double next = r.dot(z);
+    p = z + next / energy * p;
+    energy = next;
   }
   if (!x.allFinite()) return singular();
   return x;
@@ -130,12 +206,12 @@ Result<std::vector<Eigen::MatrixXd>> BlockSystem::marginals(const std::vector<in
       out.push_back(column.middleRows(6 * b, 6 * width));
     }
   };
-  if (storage_ == Storage::dense) {
+  if (factor_densely()) {
     const Eigen::LLT<Eigen::MatrixXd> llt(dense_matrix());
     if (llt.info() != Eigen::Success) return singular();
     gather(llt);
   } else {
-    const SparseSolver ldlt(sparse_matrix(blocks_, where_, values_));
+    const SparseSolver ldlt(sparse_matrix(blocks_, sorted_blocks(where_), values_));
     if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return singular();
     gather(ldlt);
   }

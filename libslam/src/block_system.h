@@ -55,6 +55,10 @@ class BlockSystem {
     }
   }
 
+  /// Adds only what ties the two sides of a residual with the Jacobian a + b: weight·(aᵀb + bᵀa). With both sides added
+  /// as residuals of their own, to this or to another system, the sum is that of the residual.
+  void add_coupling(const LinearResidual<1>& a, const LinearResidual<1>& b, double weight);
+
   /// A prior x[block] ~ N(offset, diag(1/information)): adds its normal equations.
   void add_prior(int block, const Vector6d& offset, const Vector6d& information);
 
@@ -63,6 +67,11 @@ class BlockSystem {
 
   /// Solves for x by Cholesky factorisation. Errors: bad_input where H is not positive definite.
   Result<Eigen::VectorXd> solve() const;
+
+  /// Solves for x with H + `coupling`, by conjugate gradients preconditioned by the factor of H. Revisits tie every
+  /// stretch of a drive to every other: a factor of the whole would be full, one of the chain alone is thin.
+  /// Errors: bad_input where either is not positive definite.
+  Result<Eigen::VectorXd> solve(const BlockSystem& coupling) const;
 
   /// Marginal covariances: for each asked block b the part of H⁻¹ that belongs to the blocks b … b+width-1.
   Result<std::vector<Eigen::MatrixXd>> marginals(const std::vector<int>& blocks, int width = 1) const;
@@ -77,6 +86,7 @@ class BlockSystem {
            static_cast<std::size_t>(row);
   }
   Eigen::MatrixXd dense_matrix() const;
+  bool factor_densely() const;
   void grow_slots();
   std::size_t slot_of(int row, int column) const;  // where (row, column) is or belongs
 

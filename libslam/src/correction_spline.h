@@ -6,11 +6,10 @@
 
 namespace rayfield::slam {
 
-/// Weights of the four knots that act at one time: value and second derivative of the uniform cubic B-spline.
+/// Weights of the four knots that act at one time.
 struct SplineWeights {
   int first = 0;  ///< knots first … first+3
   std::array<double, 4> value{};
-  std::array<double, 4> second_derivative{};  ///< 1/s²
 };
 
 /// A uniform cubic B-spline in time: knot coefficients c_j at spacing h; with u = (t − start)/h, i = ⌊u⌋, f = u − i
@@ -27,11 +26,9 @@ struct CorrectionSpline {
     const double u = std::clamp((time_s - start_s) / step_s, 0.0, static_cast<double>(spans));
     const int i = std::min(static_cast<int>(u), spans - 1);
     const double f = u - i, g = 1 - f;
-    const double h2 = 1 / (step_s * step_s);
     return {i,
             {g * g * g / 6, (3 * f * f * f - 6 * f * f + 4) / 6, (-3 * f * f * f + 3 * f * f + 3 * f + 1) / 6,
-             f * f * f / 6},
-            {g * h2, (3 * f - 2) * h2, (1 - 3 * f) * h2, f * h2}};
+             f * f * f / 6}};
   }
 };
 

@@ -6,26 +6,50 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 10;      // samples of one IMU residual: 0.1 s
-constexpr double kFixed = 1e14;    // information that holds an unknown
-constexpr double kGauge = 1e-3;    // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
-constexpr std::size_t kParts = 4;  // partial sums; their number is fixed so that threads do not change the result
+constexpr int kImuGroup = 10;       // samples of one IMU residual: 0.1 s
+constexpr double kFixed = 1e14;     // information that holds an unknown
+constexpr double kGauge = 1e-3;     // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
+constexpr int kDirectBlocks = 400;  // larger systems are solved iteratively
+constexpr std::size_t kParts = 4;   // partial sums; their number is fixed so that threads do not change the result
 // Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad).
 const Eigen::Vector2d kOffsetSigma(0.05, 0.05);
+
+// The largest move of an anchor after the best common yaw and translation (to first order) are taken out.
+double largest_move(const std::vector<Eigen::Vector3d>& anchors, const Eigen::VectorXd& x) {
+  const double n = static_cast<double>(anchors.size());
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), mean = center;
+  for (std::size_t j = 0; j < anchors.size(); ++j)
+    center += anchors[j] / n, mean += x.segment<3>(6 * static_cast<Eigen::Index>(j)) / n;
+  double turned = 0, spread = 1e-12;
+  for (std::size_t j = 0; j < anchors.size(); ++j) {
+    const Eigen::Vector2d p = (anchors[j] - center).head<2>(), d = x.segment<2>(6 * static_cast<Eigen::Index>(j));
+    turned += p.x() * d.y() - p.y() * d.x(), spread += p.squaredNorm();
+  }
+  const Eigen::Vector3d yaw(0, 0, turned / spread);
+  double largest = 0;
+  for (std::size_t j = 0; j < anchors.size(); ++j) {
+    const Eigen::Vector3d d = x.segment<3>(6 * static_cast<Eigen::Index>(j));
+    largest = std::max(largest, (d - mean - yaw.cross(anchors[j] - center)).norm());
+  }
+  return largest;
+}
 
 }  // namespace
 
 GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
-                             const Rig& rig, const SlamOptions& options)
+                             const Rig& rig, const SlamOptions& options, double knot_step_s,
+                             const Eigen::Vector2d& offsets)
     : odometry_(odometry),
       imu_(imu),
       fixes_(fixes),
       rig_(rig),
       options_(options),
-      system_(0, BlockSystem::Storage::sparse) {
+      knot_step_s_(knot_step_s),
+      offsets_(offsets),
+      sums_{BlockSystem(0, BlockSystem::Storage::sparse), BlockSystem(0, BlockSystem::Storage::sparse)} {
   frame_.track = &odometry.track;
   const double length = odometry.track.end_s();
-  frame_.spline.spans = std::max(1, static_cast<int>(std::lround(length / options.global.knot_step_s)));
+  frame_.spline.spans = std::max(1, static_cast<int>(std::lround(length / knot_step_s)));
   frame_.spline.step_s = length / frame_.spline.spans;
   bias_nodes_ = 1 + std::max(1, static_cast<int>(std::lround(length / options.global.bias_step_s)));
   first_bias_block_ = frame_.spline.knots();
@@ -44,8 +68,9 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
     gyro_bias_.push_back(odometry.inertial[nearest].state.gyro_bias);
     accel_bias_.push_back(odometry.inertial[nearest].state.accel_bias);
   }
-  system_ = BlockSystem(frame_.extra_block + 1, BlockSystem::Storage::sparse);
-  parts_.assign(kParts, system_);
+  const BlockSystem empty(frame_.extra_block + 1, BlockSystem::Storage::sparse);
+  sums_ = {empty, empty};
+  parts_.assign(kParts, sums_);
 }
 
 BiasWeights GlobalProblem::bias_weights(double time_s) const {
@@ -80,7 +105,7 @@ void GlobalProblem::add_inertial(int first_group, int last_group, BlockSystem& s
   }
 }
 
-void GlobalProblem::add_gps(BlockSystem& system, GlobalStats& stats) const {
+void GlobalProblem::add_gps(double slack, BlockSystem& system, GlobalStats& stats) const {
   std::vector<double> residual;
   std::vector<LinearResidual<3>> rows;
   std::vector<const GpsPosition*> used;
@@ -98,9 +123,10 @@ void GlobalProblem::add_gps(BlockSystem& system, GlobalStats& stats) const {
   const double together = std::max(1.0, 2 * options_.gps.correlation_time_s / std::max(interval, 1e-3));
   double weight_sum = 0, square_sum = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double scale = 1.5 * std::max(median, used[k]->sigma_horizontal_m);
+    const double scale = slack * 1.5 * std::max(median, used[k]->sigma_horizontal_m);
     const double robust = 1 / (1 + residual[k] * residual[k] / (scale * scale));
-    const double horizontal = 1 / used[k]->sigma_horizontal_m, vertical = 1 / used[k]->sigma_vertical_m;
+    const double inflate = std::max(1.0, median / (1.18 * used[k]->sigma_horizontal_m));
+    const double horizontal = 1 / (inflate * used[k]->sigma_horizontal_m), vertical = 1 / used[k]->sigma_vertical_m;
     LinearResidual<3>& r = rows[k];
     const Eigen::Vector3d root(horizontal, horizontal, vertical);
     r.error = root.cwiseProduct(r.error);
@@ -142,7 +168,8 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
 }
 
 Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
-                                      double cauchy, bool use_gps, GlobalStats& stats) {
+                                      double slack_m, double gps_slack, GlobalStats& stats) {
+  frame_.anchor = surfel_frame_.anchor = anchors_of(frame_.spline, odometry_.track);
   const int groups = (frame_.track->size() - 2) / kImuGroup;
   std::vector<WindowStats> near_stats(kParts), revisit_stats(kParts);
   std::vector<Eigen::Vector2d> squares(kParts, Eigen::Vector2d::Zero());
@@ -152,18 +179,19 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
   };
   RAYFIELD_CHECK(parallel_for(kParts, thread_count(options_.threads), [&](std::size_t part, int) -> Result<void> {
     const int n = static_cast<int>(kParts), p = static_cast<int>(part);
-    parts_[part].clear();
-    add_inertial(groups * p / n, groups * (p + 1) / n, parts_[part], squares[part]);
-    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m, cauchy, parts_[part],
-                     near_stats[part]);
-    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m, cauchy,
-                     parts_[part], revisit_stats[part]);
+    auto& [chain, coupling] = parts_[part];
+    chain.clear(), coupling.clear();
+    add_inertial(groups * p / n, groups * (p + 1) / n, chain, squares[part]);
+    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m,
+                     options_.match.last_cauchy, 0.0, chain, chain, near_stats[part]);
+    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m,
+                     options_.match.last_cauchy, slack_m, chain, coupling, revisit_stats[part]);
     return {};
   }));
-  system_.clear();
-  for (const BlockSystem& part : parts_) system_.add(part);
-  if (use_gps) add_gps(system_, stats);
-  add_priors(use_gps, system_);
+  sums_.chain.clear(), sums_.coupling.clear();
+  for (const Sums& part : parts_) sums_.chain.add(part.chain), sums_.coupling.add(part.coupling);
+  if (gps_slack > 0) add_gps(gps_slack, sums_.chain, stats);
+  add_priors(gps_slack > 0, sums_.chain);
 
   const auto rms = [](const std::vector<WindowStats>& s) {
     double squares_sum = 0, count = 0;
@@ -179,9 +207,12 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
   return {};
 }
 
-Result<void> GlobalProblem::solve_and_apply() {
-  RAYFIELD_ASSIGN(const Eigen::VectorXd x, system_.solve());
-  apply_correction(odometry_.track, frame_.spline, x.head(6 * frame_.spline.knots()), 0, odometry_.track.size() - 1);
+Result<double> GlobalProblem::solve_and_apply() {
+  if (sums_.chain.blocks() <= kDirectBlocks) sums_.chain.add(sums_.coupling);
+  RAYFIELD_ASSIGN(const Eigen::VectorXd x,
+                  sums_.chain.blocks() <= kDirectBlocks ? sums_.chain.solve() : sums_.chain.solve(sums_.coupling));
+  const double largest = largest_move(frame_.anchor, x);
+  apply_correction(frame_, x.head(6 * frame_.spline.knots()), 0, odometry_.track.size() - 1, odometry_.track);
   for (int k = 0; k < bias_nodes_; ++k) {
     gyro_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k));
     accel_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k) + 3);
@@ -190,7 +221,7 @@ Result<void> GlobalProblem::solve_and_apply() {
   offsets_ += offsets;
   if (offsets[0] != 0 || offsets[1] != 0) rotate_surfels(offsets[0], offsets[1]);
   for (InertialNode& node : odometry_.inertial) node.state = inertial_at(bias_weights(node.time_s));
-  return {};
+  return largest;
 }
 
 void GlobalProblem::rotate_surfels(double lidar_offset_s, double spinner_offset_rad) {
@@ -209,12 +240,13 @@ Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
   Vector6d hold = Vector6d::Constant(1e8);
   hold[3] = hold[4] = 0;
   for (int k = knots / 2 - 1; k <= knots / 2 + 1; ++k)
-    if (k >= 0 && k < knots) system_.add_prior(k, Vector6d::Zero(), hold);
+    if (k >= 0 && k < knots) sums_.chain.add_prior(k, Vector6d::Zero(), hold);
+  sums_.chain.add(sums_.coupling);
   std::vector<int> blocks;
   const int samples = std::min(knots, 60);
   for (int k = 0; k < samples; ++k) blocks.push_back(static_cast<int>((k + 0.5) * knots / samples));
   blocks.push_back(frame_.extra_block);
-  RAYFIELD_ASSIGN(const std::vector<Eigen::MatrixXd> covariance, system_.marginals(blocks));
+  RAYFIELD_ASSIGN(const std::vector<Eigen::MatrixXd> covariance, sums_.chain.marginals(blocks));
   stats.uncertainty.clear();
   for (int k = 0; k < samples; ++k) {
     const double time =

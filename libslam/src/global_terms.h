@@ -14,15 +14,21 @@ namespace rayfield::slam {
 /// The normal equations of the global stage. Blocks: knots of the correction spline, bias nodes, one extra block.
 class GlobalProblem {
  public:
+  /// `knot_step_s`: spacing of the correction spline. `offsets`: lidar (s) and spinner (rad) offsets applied so far.
   GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes, const Rig& rig,
-                const SlamOptions& options);
+                const SlamOptions& options, double knot_step_s, const Eigen::Vector2d& offsets);
 
-  /// Builds the system at the present trajectory and fills the residual statistics.
-  Result<void> linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits, double cauchy,
-                         bool use_gps, GlobalStats& stats);
+  /// Builds the system at the present trajectory and fills the residual statistics. `slack_m`: see add_surfel_terms(),
+  /// for revisits. `gps_slack`: factor on the scale of the robust weights of fixes; 0 leaves GPS out.
+  Result<void> linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits, double slack_m,
+                         double gps_slack, GlobalStats& stats);
 
-  /// Solves the system and moves trajectory, biases and offsets.
-  Result<void> solve_and_apply();
+  /// Solves the system and moves trajectory, biases and offsets. Returns the largest move of a knot, less yaw and
+  /// translation of the whole, m.
+  Result<double> solve_and_apply();
+
+  const Eigen::Vector2d& offsets() const { return offsets_; }
+  double knot_step_s() const { return knot_step_s_; }
 
   /// Marginal covariances with the pose in the middle of the drive held, and those of the estimated offsets.
   Result<void> measure_uncertainty(GlobalStats& stats);
@@ -31,7 +37,7 @@ class GlobalProblem {
   BiasWeights bias_weights(double time_s) const;
   InertialState inertial_at(const BiasWeights& w) const;
   void add_inertial(int first_group, int last_group, BlockSystem& system, Eigen::Vector2d& squares) const;
-  void add_gps(BlockSystem& system, GlobalStats& stats) const;
+  void add_gps(double slack, BlockSystem& system, GlobalStats& stats) const;
   void add_priors(bool use_gps, BlockSystem& system) const;
   void rotate_surfels(double lidar_offset_s, double spinner_offset_rad);
 
@@ -41,12 +47,17 @@ class GlobalProblem {
   const Rig& rig_;
   const SlamOptions& options_;
   ResidualFrame frame_, surfel_frame_;
+  double knot_step_s_;
   int bias_nodes_, first_bias_block_;
   std::vector<Eigen::Vector3d> gyro_bias_, accel_bias_;  // at the nodes
   Eigen::Vector3d gravity_;
-  Eigen::Vector2d offsets_ = Eigen::Vector2d::Zero();  // estimated: lidar (s), spinner (rad)
-  BlockSystem system_;
-  std::vector<BlockSystem> parts_;  // partial sums, kept for their sparsity pattern
+  Eigen::Vector2d offsets_;  // estimated: lidar (s), spinner (rad)
+  // The normal equations: those of the chain with what revisits do to either side, and what ties their two sides.
+  struct Sums {
+    BlockSystem chain, coupling;
+  };
+  Sums sums_;
+  std::vector<Sums> parts_;  // partial sums, kept for their sparsity pattern
 };
 
 }  // namespace rayfield::slam

@@ -13,6 +13,7 @@ constexpr double kMaxSpeed = 15;           // m/s, of a vehicle between vines
 constexpr double kMinInliers = 0.5;        // share of matches within three standard deviations
 constexpr double kMaxBlindFraction = 0.3;  // share of windows with hardly any match
 constexpr int kFewMatches = 30;
+constexpr double kMaxTail = 4;  // 95 % of the fixes lie within so many times the bound of their median
 
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
   GpsSummary out;
@@ -146,6 +147,9 @@ Result<void> judge(const RunFacts& f, const SlamReport& report) {
   if (f.alignment.solved && report.gps.median_offset_m > f.options.gps.max_residual_m)
     return failed(fmt::format("half of the GPS fixes are more than {:.1f} m off", report.gps.median_offset_m),
                   "the GPS or its clock is at fault: check time.gps_offset_s, or leave [gps] out of the rig file");
+  if (f.alignment.solved && report.gps.p95_offset_m > kMaxTail * f.options.gps.max_residual_m)
+    return failed(fmt::format("one GPS fix in twenty is more than {:.0f} m off", report.gps.p95_offset_m),
+                  "a part of the drive went astray: check the log for gaps and spikes of the IMU (rayfield info LOG)");
   return {};
 }
 

@@ -50,6 +50,11 @@ Result<void> GlobalOptions::validate() const {
   RAYFIELD_CHECK(in_range("global.odometry_iterations", odometry_iterations, 0, 100));
   RAYFIELD_CHECK(in_range("global.revisit_iterations", revisit_iterations, 1, 100));
   RAYFIELD_CHECK(in_range("global.release_iterations", release_iterations, 0, 100));
+  RAYFIELD_CHECK(in_range("global.converged_m", converged_m, 1e-4, 1));
+  RAYFIELD_CHECK(in_range("global.first_gap_s", first_gap_s, 20, 1000));
+  RAYFIELD_CHECK(in_range("global.first_slack_m", first_slack_m, 0.01, 2));
+  RAYFIELD_CHECK(in_range("global.coarse_knots", coarse_knots, 50, 2000));
+  RAYFIELD_CHECK(in_range("global.fine_knots", fine_knots, coarse_knots, 10000));
   RAYFIELD_CHECK(in_range("global.revisit_gap_s", revisit_gap_s, 2, 1000));
   RAYFIELD_CHECK(in_range("global.row_spacing_m", row_spacing_m, 0.2, 100));
   return in_range("global.bias_step_s", bias_step_s, 1, 1000);

@@ -1,38 +1,81 @@
 #include "residuals.h"
 
+#include <algorithm>
+
 namespace rayfield::slam {
 namespace {
 
 enum Extra { kGravityX = 0, kGravityY = 1, kLidarOffset = 2, kSpinnerOffset = 3 };
 
-// Adds sign·d(n·s)/dx for a surfel at world arm = r·c: d(n·s) = n·δt + (arm × n)·δr, and for the extra unknowns
-//   ds/d(lidar offset) = v + ω × arm + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
-void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const Eigen::Vector3d& n,
+struct SurfelPair {
+  Eigen::Vector3d between, normal;  // s_b − s_a and n
+  double normals_length;            // |n_a + n_b|
+};
+
+SurfelPair pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b, const Surfel& b) {
+  const Eigen::Vector3d sum = pose_a.rotation * a.normal.cast<double>() + pose_b.rotation * b.normal.cast<double>();
+  const double length = sum.norm();
+  return {pose_b * b.center.cast<double>() - pose_a * a.center.cast<double>(), sum / length, length};
+}
+
+// Adds what one surfel does to e = n·(s_b − s_a) to its side, sign −1 for a and 1 for b. Its place s = t + r·c moves as
+// add_place() says; its normal n_s turns by δr, which turns n and so e by δr·(n_s × p)/|n_a + n_b| with p the part of
+// s_b − s_a across n. The extra unknowns act as
+//   ds/d(lidar offset) = v + ω × r·c + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
+void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const SurfelPair& pair,
                      double sign, LinearResidual<1>& out) {
-  const Eigen::Vector3d arm = pose.rotation * s.center.cast<double>();
-  Vector6d d;
-  d << n, arm.cross(n);
+  const Eigen::Vector3d& n = pair.normal;
+  const Eigen::Vector3d arm = pose.rotation * s.center.cast<double>(), place = pose.translation + arm;
+  const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
+  const Eigen::Vector3d tilt = (pose.rotation * s.normal.cast<double>()).cross(across) / pair.normals_length;
   const SplineWeights w = frame.spline.weights(s.time_s);
-  for (int j = 0; j < 4; ++j) out.at(frame.first_knot_block + w.first + j) += sign * w.value[j] * d.transpose();
+  for (int j = 0; j < 4; ++j) {
+    Vector6d d;
+    d << sign * n, sign * (place - frame.anchor[w.first + j]).cross(n) + tilt;
+    out.at(frame.first_knot_block + w.first + j) += w.value[j] * d.transpose();
+  }
   if (frame.extra_block < 0) return;
   const Eigen::Vector3d spin = pose.rotation * frame.spin_axis.cross(s.center.cast<double>() - frame.spin_origin);
-  const Eigen::Vector3d motion = frame.track->velocity(s.time_s) + frame.track->angular_velocity(s.time_s).cross(arm);
+  const Eigen::Vector3d turn = frame.track->angular_velocity(s.time_s);
+  const double spinner = sign * n.dot(spin) + tilt.dot(pose.rotation * frame.spin_axis);
   auto& extra = out.at(frame.extra_block);
-  extra[kLidarOffset] += sign * n.dot(motion + static_cast<double>(s.spin_rate_rad_s) * spin);
-  extra[kSpinnerOffset] += sign * n.dot(spin);
+  extra[kLidarOffset] += sign * n.dot(frame.track->velocity(s.time_s) + turn.cross(arm)) + tilt.dot(turn) +
+                         static_cast<double>(s.spin_rate_rad_s) * spinner;
+  extra[kSpinnerOffset] += spinner;
+}
+
+// Adds factor·d(t + r·l)/dx at a time, with place = t + r·l of a point l that turns with the pose.
+void add_place(const ResidualFrame& frame, double time_s, const Eigen::Vector3d& place, double factor,
+               LinearResidual<3>& out) {
+  const SplineWeights w = frame.spline.weights(time_s);
+  for (int j = 0; j < 4; ++j) {
+    auto& block = out.at(frame.first_knot_block + w.first + j);
+    block.leftCols<3>().diagonal().array() += factor * w.value[j];
+    block.rightCols<3>() -= factor * w.value[j] * hat(place - frame.anchor[w.first + j]);
+  }
 }
 
 }  // namespace
 
-LinearResidual<1> surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b) {
-  LinearResidual<1> out;
+std::vector<Eigen::Vector3d> anchors_of(const CorrectionSpline& spline, const PoseTrack& track) {
+  std::vector<Eigen::Vector3d> out;
+  for (int j = 0; j < spline.knots(); ++j)
+    out.push_back(track.pose(std::clamp(spline.start_s + (j - 1) * spline.step_s, 0.0, track.end_s())).translation);
+  return out;
+}
+
+double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b) {
+  const SurfelPair pair = pair_of(track.pose(a.time_s), a, track.pose(b.time_s), b);
+  return pair.between.dot(pair.normal);
+}
+
+SurfelResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b) {
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
-  const Eigen::Vector3d sa = pose_a * a.center.cast<double>(), sb = pose_b * b.center.cast<double>();
-  const Eigen::Vector3d n =
-      (pose_a.rotation * a.normal.cast<double>() + pose_b.rotation * b.normal.cast<double>()).normalized();
-  out.error[0] = (sb - sa).dot(n);
-  add_surfel_side(frame, a, pose_a, n, -1, out);
-  add_surfel_side(frame, b, pose_b, n, 1, out);
+  const SurfelPair pair = pair_of(pose_a, a, pose_b, b);
+  SurfelResidual out;
+  out.first.error[0] = out.second.error[0] = pair.between.dot(pair.normal);
+  add_surfel_side(frame, a, pose_a, pair, -1, out.first);
+  add_surfel_side(frame, b, pose_b, pair, 1, out.second);
   return out;
 }
 
@@ -51,9 +94,7 @@ LinearResidual<3> accel_residual(const ResidualFrame& frame, const BiasWeights& 
     const SplineWeights w = frame.spline.weights(k * dt);
     for (int j = 0; j < 4; ++j) {
       auto& block = out.at(frame.first_knot_block + w.first + j);
-      // d(exp(δr)·f) = δr × f = −[f]× δr;  d(−ẗ) = −δẗ.
-      block.leftCols<3>().diagonal().array() -= mean * w.second_derivative[j];
-      block.rightCols<3>() -= mean * w.value[j] * hat(force);
+      block.rightCols<3>() -= mean * w.value[j] * hat(force);  // d(exp(δr)·f) = δr × f = −[f]× δr
     }
   }
   const int last = first + count;
@@ -62,6 +103,11 @@ LinearResidual<3> accel_residual(const ResidualFrame& frame, const BiasWeights& 
       ((track.position[last] - track.position[last - 1]) - (track.position[first] - track.position[first - 1])) /
       (count * dt * dt);
   out.error = force_mean - acceleration - state.gravity;
+  const double rate = 1 / (count * dt * dt);
+  add_place(frame, last * dt, track.position[last], -rate, out);
+  add_place(frame, (last - 1) * dt, track.position[last - 1], rate, out);
+  add_place(frame, first * dt, track.position[first], rate, out);
+  add_place(frame, (first - 1) * dt, track.position[first - 1], -rate, out);
   for (int j = 0; j < 2; ++j)
     if (bias.weights[j] != 0) out.at(bias.blocks[j]).rightCols<3>() -= bias.weights[j] * rotation_mean;
   if (frame.extra_block >= 0) {
@@ -99,12 +145,7 @@ LinearResidual<3> gps_residual(const ResidualFrame& frame, double time_s, const 
   const Eigen::Vector3d arm = pose.rotation * lever_arm_m;
   LinearResidual<3> out;
   out.error = pose.translation + arm - position;
-  const SplineWeights w = frame.spline.weights(time_s);
-  for (int j = 0; j < 4; ++j) {
-    auto& block = out.at(frame.first_knot_block + w.first + j);
-    block.leftCols<3>().diagonal().array() += w.value[j];
-    block.rightCols<3>() -= w.value[j] * hat(arm);
-  }
+  add_place(frame, time_s, pose.translation + arm, 1, out);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "block_system.h"
 #include "correction_spline.h"
@@ -8,21 +9,28 @@
 #include "surfel.h"
 
 /// Residuals of both stages, linearised at zero correction: after every iteration the correction is applied to the
-/// trajectory, so the derivatives are needed there only. A correction (δt(τ), δr(τ)) acts as in the paper (SLAM):
-///   t(τ) ← t(τ) + δt(τ),  r(τ) ← exp(δr(τ))·r(τ),
-/// both cubic B-splines. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra
-/// block is (gravity x, gravity y, lidar time offset, spinner angle offset, two unused).
+/// trajectory, so the derivatives are needed there only. Knot j with weight w_j(τ) moves its anchor c_j by δt_j and
+/// turns the trajectory about it by δr_j:
+///   t(τ) ← t(τ) + Σ w_j·(δt_j + δr_j × (t(τ) − c_j)),  r(τ) ← exp(Σ w_j·δr_j)·r(τ).
+/// The paper (SLAM) has t ← t + δt(τ) for the first. Turning about anchors keeps the shape of a stretch that is turned
+/// as a whole, at any spacing of knots: a yaw drift over many lanes is put right without bending the turns between
+/// them. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra block is
+/// (gravity x, gravity y, lidar time offset, spinner angle offset, two unused).
 namespace rayfield::slam {
 
 /// What the linearisation of a residual refers to.
 struct ResidualFrame {
   const PoseTrack* track = nullptr;
   CorrectionSpline spline;
-  int first_knot_block = 0;  ///< block of knot 0
+  std::vector<Eigen::Vector3d> anchor;  ///< of each knot, see anchors_of()
+  int first_knot_block = 0;             ///< block of knot 0
   int extra_block = -1;
   Eigen::Vector3d spin_axis = Eigen::Vector3d::Zero();    ///< in the IMU frame; zero for a fixed lidar
   Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero();  ///< a point of the spinner's axis in the IMU frame, m
 };
+
+/// The positions of the track at the knots of a spline.
+std::vector<Eigen::Vector3d> anchors_of(const CorrectionSpline& spline, const PoseTrack& track);
 
 /// Biases at one time as a weighted sum of bias blocks (linear between nodes).
 struct BiasWeights {
@@ -37,9 +45,16 @@ struct InertialState {
   Eigen::Vector3d gravity = Eigen::Vector3d(0, 0, 9.80665);  ///< world, the specific force at rest (up), m/s²
 };
 
-/// e = (s_b − s_a)·n,  n = (n_a + n_b)/|n_a + n_b|  (paper, SLAM: e_surf), m. The turn of n with the correction is left
-/// out: it multiplies s_b − s_a, which is small in the direction that matters at convergence.
-LinearResidual<1> surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
+/// e = (s_b − s_a)·n,  n = (n_a + n_b)/|n_a + n_b|  (paper, SLAM: e_surf), m. n turns with the correction: turning both
+/// surfels alike leaves e as it is, so that nothing but GPS turns the map.
+/// The Jacobian is first + second: what each surfel's pose does to e. Both hold e.
+struct SurfelResidual {
+  LinearResidual<1> first, second;
+  double error() const { return first.error[0]; }
+};
+/// e alone, m.
+double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b);
+SurfelResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
 
 /// Mean over the samples first … first+count-1 of
 ///   e = r(τ)·(a − b_a) − ẗ(τ) − g     (paper, SLAM: e_imu,a; g points up: the specific force at rest), m/s²,

@@ -47,8 +47,13 @@ void add_start(const ResidualFrame& frame, const WindowPrior& prior, double star
   }
   // No correction at the start. That holds its tilt too: what is wrong with it shows as the direction of gravity.
   const SplineWeights w = frame.spline.weights(start_s);
+  const Eigen::Vector3d p = frame.track->pose(start_s).translation;
   LinearResidual<6> r;
-  for (int j = 0; j < 4; ++j) r.at(frame.first_knot_block + w.first + j).diagonal().array() += w.value[j] * 1e4;
+  for (int j = 0; j < 4; ++j) {
+    auto& block = r.at(frame.first_knot_block + w.first + j);
+    block.diagonal().array() += w.value[j] * 1e4;
+    block.topRightCorner<3, 3>() -= w.value[j] * 1e4 * hat(p - frame.anchor[w.first + j]);
+  }
   system.add(r, 1);
   // A knot that no datum reaches must not make the system singular.
   for (int j = 0; j < frame.spline.knots(); ++j)
@@ -90,7 +95,8 @@ void set_spinner(const Rig& rig, ResidualFrame& frame) {
 }
 
 void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
-                      double sigma_m, double cauchy, BlockSystem& system, WindowStats& stats) {
+                      double sigma_m, double cauchy, double slack_m, BlockSystem& system, BlockSystem& coupling,
+                      WindowStats& stats) {
   double weight_sum = 0, square_sum = 0;
   int inliers = 0;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -98,11 +104,14 @@ void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfel
     const Surfel &a = surfels[m.first], &b = surfels[m.second];
     const auto r = surfel_residual(frame, a, b);
     const double variance = sigma_m * sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
-    const double normalised = r.error[0] * r.error[0] / variance;
-    const double weight = kSurfelIndependence / (variance * (1 + normalised / (cauchy * cauchy)));
-    system.add(r, weight);
-    weight_sum += weight, square_sum += weight * r.error[0] * r.error[0];
-    inliers += normalised < 9;
+    const double square = r.error() * r.error();
+    const double scale2 = cauchy * cauchy * variance + slack_m * slack_m;
+    const double weight = kSurfelIndependence / (variance * (1 + square / scale2));
+    system.add(r.first, weight);
+    system.add(r.second, weight);
+    coupling.add_coupling(r.first, r.second, weight);
+    weight_sum += weight, square_sum += weight * square;
+    inliers += square < 9 * variance;
     const Eigen::Vector3d n = frame.track->pose(a.time_s).rotation * a.normal.cast<double>();
     information += weight * n * n.transpose();
   }
@@ -114,14 +123,18 @@ void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfel
   stats.weakest_direction = eigen.eigenvectors().col(0);
 }
 
-void apply_correction(PoseTrack& track, const CorrectionSpline& spline, const Eigen::VectorXd& knots, int first,
-                      int last) {
+void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track) {
   for (int k = first; k <= last; ++k) {
-    const SplineWeights w = spline.weights(k * track.step_s);
-    Vector6d d = Vector6d::Zero();
-    for (int j = 0; j < 4; ++j) d += w.value[j] * knots.segment<6>(6 * (w.first + j));
-    track.position[k] += d.head<3>();
-    track.rotation[k] = (exp_so3(d.tail<3>()) * track.rotation[k]).normalized();
+    const SplineWeights w = frame.spline.weights(k * track.step_s);
+    const Eigen::Vector3d p = track.position[k];
+    Eigen::Vector3d move = Eigen::Vector3d::Zero(), turn = move;
+    for (int j = 0; j < 4; ++j) {
+      const auto x = knots.segment<6>(6 * (w.first + j));
+      move += w.value[j] * (x.head<3>() + x.tail<3>().cross(p - frame.anchor[w.first + j]));
+      turn += w.value[j] * x.tail<3>();
+    }
+    track.position[k] = p + move;
+    track.rotation[k] = (exp_so3(turn) * track.rotation[k]).normalized();
   }
 }
 
@@ -156,7 +169,8 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
     const double cauchy = mix_log(options.match.first_cauchy, options.match.last_cauchy, f);
 
     system.clear();
-    add_surfel_terms(frame, surfels, matches, options.match.sigma_m, cauchy, system, stats);
+    frame.anchor = anchors_of(frame.spline, track);
+    add_surfel_terms(frame, surfels, matches, options.match.sigma_m, cauchy, 0.0, system, system, stats);
     const ImuSums sums = add_imu_terms(frame, imu, noise, state, bias_block, first_sample, last_sample, system);
     stats.gyro_rms = std::sqrt(sums.gyro / std::max(1, sums.count)) * noise.gyro_scale;
     stats.accel_rms = std::sqrt(sums.accel / std::max(1, sums.count)) * noise.accel_scale;
@@ -164,7 +178,7 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
     add_inertial_prior(prior, before, state, bias_block, extra_block, system);
 
     RAYFIELD_ASSIGN(const Eigen::VectorXd x, system.solve());
-    apply_correction(track, frame.spline, x.head(6 * frame.spline.knots()), first_sample, last_sample);
+    apply_correction(frame, x.head(6 * frame.spline.knots()), first_sample, last_sample, track);
     state.gyro_bias += x.segment<3>(6 * bias_block);
     state.accel_bias += x.segment<3>(6 * bias_block + 3);
     const double length_of_gravity = state.gravity.norm();

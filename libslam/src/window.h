@@ -46,8 +46,13 @@ struct WindowStats {
 };
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.
+/// What ties the two surfels of a match goes to `coupling`, which may be `system` itself.
+/// `sigma_m` is the standard deviation of an offset apart from the surfels' own thickness. Cauchy weights have the
+/// scale √(cauchy²·variance + slack²): the slack lets whole lanes move that are further apart than their surfels are
+/// thick.
 void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
-                      double sigma_m, double cauchy, BlockSystem& system, WindowStats& stats);
+                      double sigma_m, double cauchy, double slack_m, BlockSystem& system, BlockSystem& coupling,
+                      WindowStats& stats);
 
 /// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`.
 /// method: 2a; re-associates and re-weights at every iteration. Errors: bad_input where the system is singular.
@@ -55,9 +60,8 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
                                  const SlamOptions& options, const InertialNoise& noise, const WindowPrior& prior,
                                  int first_sample, int last_sample, InertialState& state);
 
-/// Moves track[first … last] by the knots' corrections (six values each from `knots`).
-void apply_correction(PoseTrack& track, const CorrectionSpline& spline, const Eigen::VectorXd& knots, int first,
-                      int last);
+/// Moves track[first … last] by the knots' corrections (six values each from `knots`), as residuals.h says.
+void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track);
 
 /// The point of a spinner's axis and its direction in the IMU frame; zero without a spinner.
 void set_spinner(const Rig& rig, ResidualFrame& frame);

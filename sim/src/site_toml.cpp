@@ -1,10 +1,10 @@
 #include <fmt/core.h>
 
 #include <toml++/toml.h>
-#include <fstream>
 #include <set>
 #include <sstream>
 
+#include "rayfield/core/text_file.h"
 #include "rayfield/sim/site.h"
 #include "site_fields.h"
 
@@ -198,6 +198,7 @@ std::size_t line_of(const toml::table& root, std::string_view key) {
 Result<Site> parse_site(std::string_view text, const std::string& name) {
   constexpr std::string_view kWhat = "cannot read site";
   constexpr std::string_view kNext = "see docs/simulation.md for the keys";
+  RAYFIELD_CHECK(check_toml_text(text, kWhat, name, kNext));
   toml::table root;
   try {
     root = toml::parse(text, name);
@@ -218,13 +219,8 @@ Result<Site> parse_site(std::string_view text, const std::string& name) {
 }
 
 Result<Site> read_site(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in || text.bad())
-    return fail(ErrorCode::bad_input, "cannot read site", path.string(), "the file cannot be read",
-                "check the path and its permissions");
-  return parse_site(text.str(), path.string());
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path.string(), "cannot read site"));
+  return parse_site(text, path.string());
 }
 
 }  // namespace rayfield::sim

@@ -105,6 +105,7 @@ struct Window {
     }
     frame.track = &track;
     frame.spline = {0.0, 0.2, 25};
+    frame.anchor = anchors_of(frame.spline, track);
     frame.extra_block = frame.spline.knots() + 1;
     for (int k = 0; k < 4000; ++k) {
       Surfel s;
@@ -119,7 +120,11 @@ struct Window {
   }
   void linearise() {
     matches.clear(), inertial.clear();
-    for (std::size_t k = 0; k < 2000; ++k) matches.push_back(surfel_residual(frame, surfels[k], surfels[k + 2000]));
+    for (std::size_t k = 0; k < 2000; ++k) {
+      const SurfelResidual r = surfel_residual(frame, surfels[k], surfels[k + 2000]);
+      matches.push_back(r.first);
+      for (int j = 0; j < r.second.blocks; ++j) matches.back().at(r.second.block[j]) += r.second.jacobian[j];
+    }
     const BiasWeights bias{{frame.spline.knots(), frame.spline.knots()}, {1, 0}};
     for (int k = 1; k + 5 < 500; k += 5) {
       inertial.push_back(gyro_residual(frame, bias, state, gyro, k, 5));

@@ -1,9 +1,11 @@
 #include "cli/program.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -21,14 +23,18 @@ int Outcome::error_lines() const {
   return count;
 }
 
-Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment) {
-  const Folder capture;
-  const std::string out = capture.path("out"), err = capture.path("err");
-  const pid_t child = fork();
-  if (child == 0) {
-    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
-    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+namespace {
+
+// A run under way; `prepare` is called in the child before the program starts.
+class Run {
+ public:
+  template <class F>
+  Run(const std::vector<std::string>& arguments, F&& prepare) {
+    child_ = fork();
+    if (child_ != 0) return;
+    prepare();
+    const int out_file = open(capture_.path("out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err_file = open(capture_.path("err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     dup2(out_file, STDOUT_FILENO);
     dup2(err_file, STDERR_FILENO);
     std::vector<std::string> words{RAYFIELD_PROGRAM};
@@ -39,13 +45,56 @@ Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::
     execv(argv[0], argv.data());
     _exit(127);
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  Outcome run;
-  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  run.out = read_file(out);
-  run.err = read_file(err);
-  return run;
+  // Sends a signal once stderr holds `text`; gives up when the program has ended.
+  void interrupt_at(const std::string& text) {
+    while (waitpid(child_, &status_, WNOHANG) == 0) {
+      if (read_file(capture_.path("err")).find(text) != std::string::npos) {
+        kill(child_, SIGINT);
+        return;
+      }
+      usleep(2000);
+    }
+    ended_ = true;
+  }
+  Outcome finish() {
+    if (!ended_) waitpid(child_, &status_, 0);
+    Outcome run;
+    run.exit_code = WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
+    run.out = read_file(capture_.path("out"));
+    run.err = read_file(capture_.path("err"));
+    return run;
+  }
+
+ private:
+  Folder capture_;
+  pid_t child_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment) {
+  return Run(arguments,
+             [&] {
+               for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+             })
+      .finish();
+}
+
+Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std::uint64_t bytes) {
+  return Run(arguments,
+             [&] {
+               const rlimit limit{bytes, bytes};
+               setrlimit(RLIMIT_FSIZE, &limit);
+             })
+      .finish();
+}
+
+Outcome rayfield_interrupted_at(const std::vector<std::string>& arguments, const std::string& text) {
+  Run run(arguments, [] {});
+  run.interrupt_at(text);
+  return run.finish();
 }
 
 Folder::Folder() {

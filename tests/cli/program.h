@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,6 +18,12 @@ struct Outcome {
 
 /// Runs the program under test without a shell; `environment` is added to ours.
 Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {});
+
+/// The same with a limit on the size of any file that it writes: what a full disk looks like.
+Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std::uint64_t bytes);
+
+/// The same, with a Ctrl-C as soon as its stderr holds `text`.
+Outcome rayfield_interrupted_at(const std::vector<std::string>& arguments, const std::string& text);
 
 /// A fresh folder that is removed at the end.
 class Folder {

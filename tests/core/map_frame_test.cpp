@@ -1,5 +1,6 @@
 #include "rayfield/core/map_frame.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,6 +57,32 @@ TEST(MapFrame, GoesToTheMapAndBackWithinMicrometres) {
   const MapFrame frame = MapFrame::create("EPSG:7854").value();
   const Eigen::Vector3d p(276196.5, 6099944.1, 80.0);
   EXPECT_LT((frame.map_from_geodetic(frame.geodetic_from_map(p)) - p).norm(), 1e-5);
+}
+
+TEST(UtmCode, CountsZonesOfSixDegreesFromTheAntimeridian) {
+  EXPECT_EQ(utm_code(47.3, 8.4), "EPSG:32632");
+  EXPECT_EQ(utm_code(-35.2, 138.5), "EPSG:32754");
+  EXPECT_EQ(utm_code(0, -180), "EPSG:32601");
+  EXPECT_EQ(utm_code(0, 180), "EPSG:32601");
+  EXPECT_EQ(utm_code(0, 179.999), "EPSG:32660");
+  EXPECT_EQ(utm_code(0, 351.6), utm_code(0, -8.4));
+  EXPECT_EQ(utm_code(85, 0), "");
+}
+
+TEST(CheckCrsSuits, RefusesSystemsWhoseMetresAreNotThoseOfThePlace) {
+  const Eigen::Vector3d place(47.3, 8.4, 400);
+  EXPECT_TRUE(check_crs_suits("EPSG:32632", place));
+  EXPECT_TRUE(check_crs_suits("EPSG:32631", place)) << "the zone beside it is 0.2 % off at most";
+  // Web Mercator stretches by 1/cos(latitude): 1.4746.
+  const auto mercator = check_crs_suits("EPSG:3857", place);
+  ASSERT_FALSE(mercator);
+  EXPECT_THAT(mercator.error().line(), testing::HasSubstr("a metre is 1.47"));
+  EXPECT_THAT(mercator.error().next, testing::HasSubstr("EPSG:32632"));
+  // Zone 1 is centred on 177° W; from 8.4° E its north lies over the pole.
+  const auto far = check_crs_suits("EPSG:32601", place);
+  ASSERT_FALSE(far);
+  EXPECT_THAT(far.error().line(), testing::HasSubstr("off true north"));
+  EXPECT_EQ(check_crs_suits("EPSG:4326", place).error().code, ErrorCode::usage);
 }
 
 TEST(TangentPlane, IsMetricEastNorthUpAtItsOrigin) {

@@ -13,6 +13,7 @@ namespace {
 
 using namespace bytes;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -21,7 +22,10 @@ struct Drive {
   bool spinner = true;
   double no_return = kInfinity;
   double gravity = 9.81;
-  int gap_at = -1;  ///< second without IMU
+  int gap_at = -1;      ///< second without IMU
+  int jump_at = -1;     ///< second from which all stamps are an hour later
+  int still_from = -1;  ///< second from which the spinner stands still for three seconds
+  double rate = 0.1;    ///< of the gyroscope
 };
 
 /// 20 s: IMU at 50 Hz, scans at 5 Hz with a third of the beams without a return, GPS and joints at 5 Hz.
@@ -30,15 +34,18 @@ std::string drive_bag(const Drive& drive) {
                         connection(2, "/joints", kJointType, kJointMd5) +
                         connection(3, drive.lidar_topic, kScanType, kScanMd5) +
                         connection(4, "/camera", "sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743");
+  double angle = 0;
   for (int i = 0; i < 1000; ++i) {
-    const auto s = static_cast<std::uint32_t>(1000 + i / 50);
+    const bool jumped = drive.jump_at >= 0 && i / 50 >= drive.jump_at;
+    const auto s = static_cast<std::uint32_t>(1000 + i / 50 + (jumped ? 3600 : 0));
     const auto ns = static_cast<std::uint32_t>(i % 50 * 20'000'000);
-    if (i / 50 != drive.gap_at) records += message(0, s, ns, imu(s, ns, 0.1, drive.gravity));
+    if (i / 50 != drive.gap_at) records += message(0, s, ns, imu(s, ns, drive.rate, drive.gravity));
     if (i % 10 != 0) continue;
+    if (drive.still_from < 0 || i < 50 * drive.still_from || i >= 50 * (drive.still_from + 3)) angle += 1.0;
     records += message(3, s, ns, scan(s, ns, {-1, 0.1, 1e-5, 0.05, 40}, {3.0, drive.no_return, 39.9}));
     records += message(1, s, ns, fix(s, ns, 0, -35.0 - 1e-5 * i, 138.5 + 1e-5 * i, 80 + 0.01 * i));
     records +=
-        message(2, s, ns, joints(s, ns, {"wobble", "turntable"}, {0.001 * (i % 2), drive.spinner ? 0.1 * i : 0.5}));
+        message(2, s, ns, joints(s, ns, {"wobble", "turntable"}, {0.001 * (i % 2), drive.spinner ? angle : 0.5}));
   }
   return bag_header() + chunk(records);
 }
@@ -88,6 +95,30 @@ TEST(LogInfo, FindsGapsAndUnitsThatAreWrong) {
   drive = {};
   drive.gravity = 0.6;
   EXPECT_THAT(inspect(drive_bag(drive)).problems(), Contains(HasSubstr("not the 9.8 m/s2 of gravity")));
+}
+
+TEST(LogInfo, TellsAClockJumpFromAGap) {
+  Drive drive;
+  drive.jump_at = 12;
+  const LogInfo info = inspect(drive_bag(drive));
+  EXPECT_EQ(topic(info, "/imu").clock_jumps, 1U);
+  EXPECT_EQ(topic(info, "/imu").gaps, 0U);
+  EXPECT_LT(topic(info, "/imu").longest_gap_s, 0.1);
+  EXPECT_THAT(info.problems(), Contains("/imu: its clock jumps once"));
+  EXPECT_THAT(info.problems(), Contains("the recording's clock jumps once"));
+}
+
+TEST(LogInfo, SeesASpinnerThatStopsOrNeverTurnsAndAGyroscopeInDegrees) {
+  EXPECT_THAT(inspect(drive_bag({})).problems(), ElementsAre(HasSubstr("no index"))) << "the drive itself is sound";
+  Drive drive;
+  drive.still_from = 5;
+  EXPECT_THAT(inspect(drive_bag(drive)).problems(), Contains("/joints: joint 'turntable' stands still for 3.0 s"));
+  drive = {};
+  drive.spinner = false;
+  EXPECT_THAT(inspect(drive_bag(drive)).problems(), Contains(HasSubstr("no joint goes round")));
+  drive = {};
+  drive.rate = 60;
+  EXPECT_THAT(inspect(drive_bag(drive)).problems(), Contains(HasSubstr("as if the gyroscope were in degrees")));
 }
 
 TEST(LogInfo, NamesWhatIsMissing) {

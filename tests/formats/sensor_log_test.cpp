@@ -247,6 +247,61 @@ TEST(SensorLog, LeavesOutNaNsAndFixesWithoutAPosition) {
   EXPECT_EQ(report->topic(SensorKind::lidar).invalid, 1U);
 }
 
+// A flipped bit in an exponent makes a finite number that no sensor on a vehicle measures.
+TEST(SensorLog, LeavesOutWhatNoSensorMeasures) {
+  Collected got;
+  const auto report =
+      read(connections() + message(0, 1, 0, imu(1, 0, 0.1, 1e200)) + message(0, 2, 0, imu(2, 0, 1e5)) +
+               message(0, 3, 0, imu(3, 0, 30, 300)) + message(2, 7, 0, joints(7, 0, {"spinner"}, {1e300})) +
+               message(2, 8, 0, joints(8, 0, {"spinner"}, {-2e4})) + message(3, 9, 0, scan(9, 0, {}, {2})),
+           full_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_EQ(got.order, "isl");
+  EXPECT_EQ(got.imus[0].linear_acceleration_m_s2.z(), 300);
+  EXPECT_EQ(report->topic(SensorKind::imu).invalid, 2U);
+  EXPECT_EQ(report->topic(SensorKind::spinner).invalid, 1U);
+}
+
+// 40 s with messages every 0.1 s; the spinner stands still from 10 to 14 s, the lidar is silent from 20 to 23 s and
+// ends at 30 s, the GPS begins at 8 s.
+TEST(SensorLog, SaysWhenSensorsAreSilentStuckOrNotAwakeTogether) {
+  Collected got;
+  std::string records = connections();
+  double angle = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto s = static_cast<std::uint32_t>(1000 + i / 10), ns = static_cast<std::uint32_t>(i % 10) * 100'000'000;
+    if (i <= 100 || i > 140) angle += 0.3;
+    records += message(0, s, ns, imu(s, ns)) + message(2, s, ns, joints(s, ns, {"spinner"}, {angle}));
+    if (i < 300 && (i <= 200 || i >= 230)) records += message(3, s, ns, scan(s, ns, {}, {2}));
+    if (i >= 80) records += message(1, s, ns, fix(s, ns, 0, 45, 1, 1));
+  }
+  const auto report = read(records, full_rig(), got);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_NEAR(report->topic(SensorKind::spinner).longest_still_s, 4.0, 1e-6);
+  EXPECT_NEAR(report->topic(SensorKind::spinner).longest_still_start_s, 1010.0, 1e-6);
+  EXPECT_NEAR(report->topic(SensorKind::lidar).longest_gap_start_s, 1020.0, 1e-6);
+  EXPECT_THAT(report->warnings(),
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("no index"), "lidar /lidar/scan: silent for 3.0 s from 1970-01-01T00:17:00.000Z",
+                  "spinner /spinner/joint_states: stands still for 4.0 s from 1970-01-01T00:16:50.000Z",
+                  "lidar /lidar/scan: ends 10.0 s before the others", "GPS /gps/fix: begins 8.0 s after the others"));
+}
+
+TEST(SensorLog, AGpsTopicThatIsCalledOtherwiseIsAMistakeAndNoGpsAtAllIsNot) {
+  const std::string sensors = message(0, 1, 0, imu(1, 0)) + message(3, 1, 0, scan(1, 0, {}, {2}));
+  Rig rig;
+  rig.gps = Rig::Gps{"/fix"};
+  Collected got;
+  const auto mistaken = read(connections() + sensors + message(1, 1, 0, fix(1, 0, 0, 45, 1, 1)), rig, got);
+  ASSERT_FALSE(mistaken);
+  EXPECT_EQ(mistaken.error().code, ErrorCode::bad_input);
+  EXPECT_THAT(mistaken.error().line(), HasSubstr("choose from: /gps/fix (sensor_msgs/NavSatFix)"));
+  const auto none =
+      read(connection(0, "/imu/data", kImuType, kImuMd5) + connection(3, "/lidar/scan", kScanType, kScanMd5) + sensors,
+           rig, got);
+  EXPECT_TRUE(none) << none.error().line();
+}
+
 TEST(SensorLog, PutsMessagesBackInOrderWithinTheWindow) {
   Collected got;
   LogOptions options = any_sensors();
@@ -318,7 +373,8 @@ TEST(SensorLog, CutsTheLogWhereTheClockJumpsAndDeliversTheChosenSegment) {
     EXPECT_EQ(report->segments[1].messages, 30U);
     EXPECT_DOUBLE_EQ(report->segments[1].first_s, 10010 + jump);
     EXPECT_EQ(report->topic(SensorKind::imu).other_segments, 30U);
-    EXPECT_THAT(report->warnings(), ::testing::Contains(HasSubstr("the clock jumps 1 times")));
+    EXPECT_THAT(report->warnings(),
+                ::testing::Contains(HasSubstr("the clock jumps once: of 2 segments number 1 is used")));
     LogOptions options;
     options.segment = 1;
     ASSERT_TRUE(read(records, lidar_rig(), second, options));

@@ -137,7 +137,7 @@ TEST_F(SharedLogs, RawPacketsAreRefusedByName) {
   EXPECT_THAT(read_log(path, rig, counter).error().line(), HasSubstr("raw packets (ouster_ros/PacketMsg)"));
   const auto info = inspect_log(path);
   ASSERT_TRUE(info) << info.error().line();
-  EXPECT_THAT(info->problems(), ::testing::Contains(HasSubstr("have to be decoded by its ROS driver first")));
+  EXPECT_THAT(info->problems(), ::testing::Contains(HasSubstr("play the bag through the sensor's ROS driver")));
 }
 
 }  // namespace

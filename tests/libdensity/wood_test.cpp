@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace rayfield::density {
 namespace {
@@ -38,18 +39,46 @@ TEST(Wood, AVerticalRayFromAboveEntersThroughTheTop) {
   EXPECT_GT(out, 3);
 }
 
+// A tile at the origin whose ground is level at 5 m, and unknown north of its middle.
+GroundModel half_known_ground() {
+  Grid2<float> nodes({0, 0}, 12.5, 3, 3, 5.0F);
+  for (int ix = 0; ix < 3; ++ix) nodes.at(ix, 2) = std::nanf("");
+  GroundModel ground(25.0);
+  ground.set({0, 0}, std::move(nodes));
+  return ground;
+}
+
 TEST(Wood, OnlyDetectedPostsOnKnownGroundBecomeCylinders) {
-  std::vector<Post> posts(3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    posts[i].row = 1, posts[i].position = {1, 2.0 + 6.0 * static_cast<double>(i)};
-    posts[i].height_m = 1.8, posts[i].radius_m = 0.04;
+  RowLayout layout;
+  for (const double northing : {2.0, 8.0, 20.0}) {
+    Post post;
+    post.row = 1, post.position = {1, northing};
+    post.height_m = 1.8, post.radius_m = 0.04;
+    layout.posts.push_back(post);
   }
-  posts[1].detected = false;
-  const std::vector<double> ground = {5.0, 5.0, std::nan("")};
-  const auto wood = cylinders_of_posts(posts, ground);
+  layout.posts[1].detected = false;
+  const auto wood = wood_of(layout, half_known_ground());
   ASSERT_EQ(wood.size(), 1u);
   EXPECT_EQ(wood[0].base, Vector3d(1, 2, 5));
+  EXPECT_EQ(wood[0].axis, Vector3d::UnitZ());
   EXPECT_EQ(wood[0].length_m, 1.8);
+}
+
+TEST(Wood, APostLeansAndATrunkStandsUpright) {
+  RowLayout layout;
+  Post post;
+  post.position = {3, 4}, post.height_m = 2.0, post.lean = {0.75, 0};
+  Trunk trunk;
+  trunk.position = {5, 4}, trunk.top_m = 0.9, trunk.radius_m = 0.03;
+  layout.posts = {post}, layout.trunks = {trunk};
+  const auto wood = wood_of(layout, half_known_ground());
+  ASSERT_EQ(wood.size(), 2u);
+  // Height 2 m with 0.75 m of shift per metre: 3-4-5, a length of 2.5 m along (0.6, 0, 0.8).
+  EXPECT_TRUE(wood[0].axis.isApprox(Vector3d(0.6, 0, 0.8), 1e-12));
+  EXPECT_NEAR(wood[0].length_m, 2.5, 1e-12);
+  EXPECT_EQ(wood[1].axis, Vector3d::UnitZ());
+  EXPECT_EQ(wood[1].length_m, 0.9);
+  EXPECT_EQ(wood[1].radius_m, 0.03);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ TEST_P(BlockA, IsReconstructedWithinTheGoals) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BothDates, BlockA, ::testing::Values("2019-02-11", "2018-12-12"),
-                         [](const auto& info) { return std::string(info.index == 0 ? "Summer" : "Spring"); });
+                         [](const auto& date) { return std::string(date.index == 0 ? "Summer" : "Spring"); });
 
 }  // namespace
 }  // namespace rayfield::slam

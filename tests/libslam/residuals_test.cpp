@@ -44,6 +44,7 @@ struct TwoPoses {
   TwoPoses() {
     frame.track = &track;
     frame.spline = {0.0, 0.2, 10};
+    frame.anchor = anchors_of(frame.spline, track);
     bias_block = frame.spline.knots();
     frame.extra_block = bias_block + 1;
     blocks = bias_block + 2;
@@ -62,7 +63,7 @@ struct TwoPoses {
   // The track after corrections x (six per block).
   PoseTrack corrected(const Eigen::VectorXd& x) const {
     PoseTrack t = track;
-    apply_correction(t, frame.spline, x, 0, t.size() - 1);
+    apply_correction(frame, x, 0, t.size() - 1, t);
     return t;
   }
   InertialState moved(const Eigen::VectorXd& x) const {
@@ -128,8 +129,6 @@ TEST(GyroResidual, HasTheDerivativeThatDifferencesGive) {
 TEST(AccelResidual, HasTheDerivativeThatDifferencesGive) {
   const TwoPoses s;
   const BiasWeights bias{{s.bias_block, s.bias_block}, {1, 0}};
-  // Samples 63 … 67: the second differences lie inside one span of the spline (0.6 … 0.8 s), where the second
-  // difference of a cubic is its second derivative exactly.
   const auto r = accel_residual(s.frame, bias, s.state, s.accel, 63, 5);
   const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     const PoseTrack t = s.corrected(x);
@@ -162,33 +161,55 @@ Surfel surfel_at(double time, const Eigen::Vector3f& center, const Eigen::Vector
   return out;
 }
 
-TEST(SurfelResidual, HasTheDerivativeThatDifferencesGiveWithTheNormalHeld) {
+// A surfel in the world after the corrections x. The extra unknowns: it moves to its new time, turned by what the
+// spinner did meanwhile. Derivatives of a pose between grid times exist on either side only, so time moves along the
+// tangent.
+struct Placed {
+  Eigen::Vector3d center, normal;
+};
+Placed place(const TwoPoses& s, const Surfel& q, const Eigen::VectorXd& x) {
+  const double lidar = x[6 * s.frame.extra_block + 2], angle = x[6 * s.frame.extra_block + 3];
+  const Eigen::Quaterniond turn = exp_so3((angle + lidar * static_cast<double>(q.spin_rate_rad_s)) * s.frame.spin_axis);
+  const Eigen::Vector3d c = turn * (q.center.cast<double>() - s.frame.spin_origin) + s.frame.spin_origin;
+  const SplineWeights w = s.frame.spline.weights(q.time_s);
+  Rigid3 pose = s.track.pose(q.time_s);
+  Eigen::Vector3d move = Eigen::Vector3d::Zero(), by = move;
+  for (int j = 0; j < 4; ++j) {
+    const Vector6d d = x.segment<6>(6 * (w.first + j));
+    const Eigen::Vector3d lever = pose.translation - s.frame.anchor[static_cast<std::size_t>(w.first + j)];
+    move += w.value[j] * (d.head<3>() + d.tail<3>().cross(lever));
+    by += w.value[j] * d.tail<3>();
+  }
+  pose.translation += move + lidar * s.track.velocity(q.time_s);
+  pose.rotation = exp_so3(by + lidar * s.track.angular_velocity(q.time_s)) * pose.rotation;
+  return {pose * c, pose.rotation * (turn * q.normal.cast<double>())};
+}
+
+TEST(SurfelResidual, HasTheDerivativeThatDifferencesGive) {
   const TwoPoses s;
   const Surfel a = surfel_at(0.33, {2, 1, -1}, {-1, -0.3f, 0.2f}),
                b = surfel_at(1.47, {1.5f, -0.5f, -1.2f}, {-1, 0.2f, 0.1f});
   const auto r = surfel_residual(s.frame, a, b);
-  const Rigid3 pose_a = s.track.pose(a.time_s), pose_b = s.track.pose(b.time_s);
-  const Eigen::Vector3d n =
-      (pose_a.rotation * a.normal.cast<double>() + pose_b.rotation * b.normal.cast<double>()).normalized();
-  const auto place = [&](const Surfel& q, const Eigen::VectorXd& x) -> Eigen::Vector3d {
-    const double lidar = x[6 * s.frame.extra_block + 2], angle = x[6 * s.frame.extra_block + 3];
-    // The extra unknowns: the surfel moves to its new time, turned by what the spinner did meanwhile. Derivatives of a
-    // pose between grid times exist on either side only, so time moves along the tangent.
-    const Eigen::Quaterniond turn =
-        exp_so3((angle + lidar * static_cast<double>(q.spin_rate_rad_s)) * s.frame.spin_axis);
-    const Eigen::Vector3d c = turn * (q.center.cast<double>() - s.frame.spin_origin) + s.frame.spin_origin;
-    const SplineWeights w = s.frame.spline.weights(q.time_s);
-    Vector6d d = Vector6d::Zero();
-    for (int j = 0; j < 4; ++j) d += w.value[j] * x.segment<6>(6 * (w.first + j));
-    Rigid3 pose = s.track.pose(q.time_s);
-    pose.translation += d.head<3>() + lidar * s.track.velocity(q.time_s);
-    pose.rotation = exp_so3(d.tail<3>() + lidar * s.track.angular_velocity(q.time_s)) * pose.rotation;
-    return pose * c;
-  };
   const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-    return Eigen::Matrix<double, 1, 1>((place(b, x) - place(a, x)).dot(n));
+    const Placed pa = place(s, a, x), pb = place(s, b, x);
+    return Eigen::Matrix<double, 1, 1>((pb.center - pa.center).dot((pa.normal + pb.normal).normalized()));
   };
-  EXPECT_LT((dense(r, s.blocks) - numeric(f, 1, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-6);
+  const Eigen::MatrixXd both = dense(r.first, s.blocks) + dense(r.second, s.blocks);
+  EXPECT_NEAR(r.error(), f(Eigen::VectorXd::Zero(6 * s.blocks))[0], 1e-9);
+  EXPECT_LT((both - numeric(f, 1, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(SurfelResidual, DoesNotChangeWhenTheWholeDriveIsTurned) {
+  const TwoPoses s;
+  const Surfel a = surfel_at(0.33, {2, 1, -1}, {-1, -0.3f, 0.2f}),
+               b = surfel_at(1.47, {1.5f, -0.5f, -1.2f}, {-1, 0.2f, 0.1f});
+  const auto r = surfel_residual(s.frame, a, b);
+  const Eigen::MatrixXd both = dense(r.first, s.blocks) + dense(r.second, s.blocks);
+  const Eigen::Vector3d turn(0.3, -0.2, 0.5), about(4, 5, 6);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(6 * s.blocks);
+  for (int j = 0; j < s.frame.spline.knots(); ++j)
+    x.segment<6>(6 * j) << turn.cross(s.frame.anchor[static_cast<std::size_t>(j)] - about), turn;
+  EXPECT_NEAR((both * x)[0], 0, 1e-12);
 }
 
 TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {
@@ -229,6 +250,41 @@ TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {
     const Eigen::MatrixXd inverse = (stacked.transpose() * stacked).inverse();
     EXPECT_LT(((*covariance)[0] - inverse.block<6, 6>(12, 12)).cwiseAbs().maxCoeff(), 1e-9);
   }
+}
+
+TEST(BlockSystem, SolvesIterativelyWhatItSolvesDirectly) {
+  // A chain of blocks, each tied to the next, and ties across it like those of revisits.
+  const int blocks = 60;
+  BlockSystem whole(blocks, BlockSystem::Storage::sparse), chain = whole, coupling = whole;
+  const auto side = [](int block, unsigned seed, double error) {
+    LinearResidual<1> r;
+    r.error[0] = error;
+    r.at(block) = small_random(6, seed, 1).transpose();
+    return r;
+  };
+  for (int b = 0; b < blocks; ++b) {
+    const Vector6d offset = small_random(6, 10 + static_cast<unsigned>(b), 1);
+    for (BlockSystem* s : {&whole, &chain}) s->add_prior(b, offset, Vector6d::Constant(1e-2));
+    for (unsigned k = 0; k < 12 && b + 1 < blocks; ++k) {
+      LinearResidual<1> r = side(b, 1000 * k + static_cast<unsigned>(b), 0.3);
+      r.at(b + 1) = small_random(6, 5000 * k + static_cast<unsigned>(b), 1).transpose();
+      for (BlockSystem* s : {&whole, &chain}) s->add(r, 10);
+    }
+  }
+  for (int k = 0; k < 200; ++k) {
+    const int i = (7 * k) % blocks, j = (11 * k + 29) % blocks;  // j may equal i
+    const double error = 0.01 * k;
+    const auto a = side(i, 90000 + static_cast<unsigned>(k), error);
+    const auto b = side(j, 95000 + static_cast<unsigned>(k), error);
+    LinearResidual<1> r = a;
+    r.at(j) += b.jacobian[0];
+    whole.add(r, 2);
+    chain.add(a, 2), chain.add(b, 2), coupling.add_coupling(a, b, 2);
+  }
+  const auto direct = whole.solve(), iterative = chain.solve(coupling);
+  ASSERT_TRUE(direct) << direct.error().line();
+  ASSERT_TRUE(iterative) << iterative.error().line();
+  EXPECT_LT((*direct - *iterative).norm(), 1e-5 * direct->norm());
 }
 
 TEST(BlockSystem, SaysThatASingularSystemIsBadInput) {

@@ -88,7 +88,9 @@ void expect_goals(const Outcome& o, double factor) {
   EXPECT_LE(o.errors.ate_rms_m, 0.05 * factor);
   EXPECT_LE(o.errors.ate_max_m, 0.15 * factor);
   EXPECT_LE(o.errors.drift_percent, 0.5 * factor);
-  if (!o.result->gps.empty()) EXPECT_LE(o.errors.georeferenced_rms_m, o.mean_gps_error_m + 0.10 * factor);
+  if (!o.result->gps.empty()) {
+    EXPECT_LE(o.errors.georeferenced_rms_m, o.mean_gps_error_m + 0.10 * factor);
+  }
 }
 
 TEST(SimulatedDrive, MeetsTheGoalsAndKnowsHowWell) {
@@ -183,6 +185,47 @@ TEST(SimulatedDrive, FindsAGpsClockThatIsOffWithinItsStatedUncertainty) {
   const OffsetEstimate& e = o.result->report.offsets[0];
   EXPECT_NEAR(e.value, 0.2, 3 * e.sigma);
   EXPECT_LT(e.sigma, 0.05);
+}
+
+// Rows so long that a lane drifts by the width of a row before it is seen again.
+sim::Site long_rows() {
+  sim::Site site = vineyard();
+  site.rows.count = 5, site.rows.length_m = 110;
+  site.rows.azimuth_deg = 66;
+  return site;
+}
+
+TEST(SimulatedDrive, KeepsLongLanesApartWithThreeTimesTheImuNoise) {
+  sim::Site site = long_rows();
+  site.dates[0].imu_noise_scale = 3;
+  expect_goals(drive(site), 1.5);
+}
+
+TEST(SimulatedDrive, KeepsLongLanesApartWhenTheGpsBiasWandersByTwoMetres) {
+  sim::Site site = long_rows();
+  site.gps.bias_horizontal_m = 2;
+  expect_goals(drive(site), 1.5);
+}
+
+TEST(SimulatedDrive, RefusesMountingsThatAreWrong) {
+  const std::pair<const char*, std::function<void(Rig&)>> wrong[] = {
+      {"axis negated", [](Rig& rig) { rig.spinner->axis = -rig.spinner->axis; }},
+      {"lidar turned about the spinner's axis",
+       [](Rig& rig) {
+         const Eigen::Quaterniond quarter(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+         rig.spinner_from_lidar.rotation = quarter * rig.spinner_from_lidar.rotation;
+       }},
+      {"IMU upside down",
+       [](Rig& rig) {
+         const Eigen::Quaterniond over(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+         rig.imu_from_spinner.rotation = over * rig.imu_from_spinner.rotation;
+       }},
+  };
+  for (const auto& [name, spoil] : wrong) {
+    const Outcome o = drive(vineyard(), spoil);
+    ASSERT_FALSE(o.result) << name;
+    EXPECT_EQ(o.result.error().code, ErrorCode::bad_input) << name << ": " << o.result.error().line();
+  }
 }
 
 TEST(SimulatedDrive, HoldsWithAFixedMultiBeamLidar) {

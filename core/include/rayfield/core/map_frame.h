@@ -19,6 +19,15 @@ struct CrsInfo {
 /// Errors: usage, with the reason (unknown code, geographic, feet, south-orientated axes).
 Result<CrsInfo> lookup_projected_crs(const std::string& code);
 
+/// The UTM zone of a place on WGS 84, e.g. "EPSG:32632"; empty beyond 84° N and 80° S, where UTM ends.
+std::string utm_code(double latitude_deg, double longitude_deg);
+
+/// Checks that a CRS is made for a place: areas on the map would be wrong where its grid metres differ from true ones
+/// (web Mercator), and a transverse Mercator used on the far side of the Earth stands upside down.
+/// `latitude_longitude_height` as in MapFrame. Errors: usage, where the scale is off by more than 1 %, grid north by
+/// more than 60°, or the place has no coordinates; names the UTM zone that fits.
+Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& latitude_longitude_height);
+
 /// A projected CRS tied to the geographic datum under it and to a local tangent plane.
 /// All functions are const and safe to call from one thread per object (PROJ contexts are not shared).
 class MapFrame {

@@ -23,4 +23,5 @@
 
 // Text files of a vehicle
 #include "rayfield/formats/rig_file.h"         // how the sensors are mounted (docs/rig.md)
+#include "rayfield/formats/text_output.h"      // a text whole or not at all
 #include "rayfield/formats/trajectory_file.h"  // poses after the TUM convention

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct TopicInfo {
   double first_s = 0, last_s = 0;
   double rate_hz = 0;  ///< from the median of the first 1000 intervals; 0 with fewer than two messages
   double longest_gap_s = 0;
+  std::uint64_t clock_jumps = 0;  ///< of its stamps (LogOptions); neither gaps nor backwards
   std::uint64_t gaps = 0;         ///< intervals over five times the usual one and over 0.1 s
   std::uint64_t backwards = 0;    ///< stamps earlier than the one before
   std::uint64_t repeated = 0;     ///< stamps equal to the one before
@@ -59,7 +61,10 @@ struct GpsInfo {
 
 struct JointInfo {
   std::string topic, joint;
-  double travelled_rad = 0;  ///< sum of the absolute steps, wraps of a full turn taken out
+  double travelled_rad = 0;    ///< sum of the absolute steps, wraps of a full turn taken out
+  double longest_still_s = 0;  ///< how long its angle stayed the same
+  /// It goes round: at least one full turn. Others wobble, or are stuck.
+  bool turns() const { return travelled_rad >= 2 * std::numbers::pi; }
 };
 
 struct LogInfo {

@@ -54,6 +54,9 @@ struct TopicReport {
   std::uint64_t without_position = 0;  ///< GPS without a fix: left out
   double first_s = 0, last_s = 0;      ///< stamps delivered
   double longest_gap_s = 0;            ///< between two delivered stamps
+  double longest_gap_start_s = 0;      ///< stamp before it
+  double longest_still_s = 0;          ///< of a spinner: how long its angle stayed the same
+  double longest_still_start_s = 0;    ///< stamp where that began
 };
 
 /// The fate of single lidar measurements. points = returns + no_returns + too_close + invalid + without_direction.
@@ -78,6 +81,7 @@ struct LogReport {
   std::array<TopicReport, 4> topics;  ///< by SensorKind
   LidarPointCounts points;
   std::vector<LogSegment> segments;  ///< one without clock jumps
+  int segment = 0;                   ///< the one that was delivered
   int longest_segment = 0;           ///< index into segments, by duration
   const TopicReport& topic(SensorKind kind) const { return topics[static_cast<std::size_t>(kind)]; }
   /// Everything that a user should know, one line each; empty for a clean log.
@@ -89,9 +93,10 @@ struct LogReport {
 /// Ranges follow REP 117 after the rig's `no_return`, min_range_m and max_range_m: +inf nothing up to max_range_m,
 /// -inf closer than min_range_m, NaN invalid. The stamps are those of the messages: the rig's time offsets are left
 /// to the consumer. The LidarScan is reused between calls.
-/// Errors: bad_input (not a bag; a topic that the rig needs is missing or of another type; point clouds without time
-/// per point; nothing usable), usage (options; max_range_m above what the lidar reports; joint not in the log),
-/// interrupted, resources. Damage to the file is no error: it is in the report.
+/// Errors: bad_input (not a bag; a topic that the rig needs is missing or of another type; a GPS topic that is missing
+/// where the log has others; point clouds without time per point; nothing usable), usage (options; max_range_m above
+/// what the lidar reports; joint not in the log), interrupted, resources. Damage to the file is no error: it is in the
+/// report.
 Result<LogReport> read_log(const std::string& path, const Rig& rig, SensorSink& sink, const LogOptions& options = {});
 
 }  // namespace rayfield::formats

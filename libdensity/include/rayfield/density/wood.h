@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
+#include "rayfield/density/ground_model.h"
 #include "rayfield/density/row_layout.h"
 
 namespace rayfield::density {
@@ -21,9 +21,9 @@ struct WoodCylinder {
 /// neglected), m²: what plant area counts of round wood, as flat leaves count with one side.
 double half_surface_m2(const WoodCylinder& wood, double from_m, double to_m);
 
-/// Detected posts as upright cylinders standing on `ground_m` (one height per post). Posts that were only placed by
-/// regular spacing are left out: nothing was seen there.
-std::vector<WoodCylinder> cylinders_of_posts(std::span<const Post> posts, std::span<const double> ground_m);
+/// Posts and trunks of the layout as cylinders that stand on the ground: posts with their lean, trunks upright. Posts
+/// that were only placed by regular spacing are left out (nothing was seen there), and what stands on unknown ground.
+std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground);
 
 /// Where the straight line origin + t·direction runs inside the cylinder widened by `shell_m` in radius and at its
 /// top (downwards it is unbounded, into the ground). False when it misses. t in units of |direction|.

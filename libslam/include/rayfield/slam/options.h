@@ -48,9 +48,17 @@ struct WindowOptions {
 /// Stage b: global registration of the whole drive.
 struct GlobalOptions {
   double knot_step_s = 1.0;     ///< spacing of the correction spline, 0.2–2
-  int odometry_iterations = 2;  ///< before revisits are matched
-  int revisit_iterations = 5;   ///< with revisits and GPS
-  int release_iterations = 2;   ///< with revisits, GPS released
+  int odometry_iterations = 4;  ///< before revisits are matched
+  int revisit_iterations = 8;   ///< with revisits and GPS
+  int release_iterations = 12;  ///< at most, with revisits, GPS released
+  double converged_m = 0.01;    ///< largest correction that ends these iterations, 1e-4–1
+  /// Revisits at most this far apart in time are matched first; the limit doubles with every iteration, 20–1000.
+  double first_gap_s = 60;
+  /// How far lanes may be apart after stage a, m: scale of the weights of revisits in their first iteration. It shrinks
+  /// to nothing; 0.01–2.
+  double first_slack_m = 0.3;
+  /// Most knots of a long drive, whose spacing grows: while revisits are still far apart, 50–2000, and in the end.
+  int coarse_knots = 250, fine_knots = 1200;
   double revisit_gap_s = 10.0;  ///< matches further apart in time are revisits, > the window's length
   /// Matches further apart than half of this are refused where GPS holds the drive: the next row looks the same.
   double row_spacing_m = 2.0;
@@ -64,7 +72,7 @@ struct GpsOptions {
   double correlation_time_s = 30;  ///< of the receiver's wandering bias: fixes within it count as one
   double min_baseline_m = 8;       ///< the drive must span this much before yaw is taken from GPS
   int min_fixes = 20;
-  double max_residual_m = 10;  ///< median offset above which drive and GPS contradict each other: the run fails
+  double max_residual_m = 3.5;  ///< median offset above which drive and GPS contradict each other: the run fails
   Result<void> validate() const;
 };
 
@@ -78,7 +86,7 @@ struct SlamOptions {
   GpsOptions gps;
   /// A window whose mean position lidar alone knows worse than this in some direction is reported as degenerate, m.
   double degenerate_sigma_m = 0.1;
-  double max_thickness_m = 0.08;   ///< surfaces thicker than this after registration: the drive failed
+  double max_thickness_m = 0.025;  ///< surfaces thicker than this after registration: the drive failed
   double max_imu_gap_s = 0.5;      ///< a longer gap ends the drive: no trajectory is made across it
   int max_points_per_bin = 30000;  ///< lidar points used per time bin; denser lidars are thinned evenly, ≥ 1000
   int threads = 0;                 ///< 0: all processors; does not change the result
