@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "simulation.h"
 #include "text.h"
@@ -11,11 +13,32 @@ namespace {
 
 struct SimulateArguments {
   std::string site, folder;
+  std::vector<std::string> dates;
   SimulationOutput output;
 };
 
+// Leaves the dates that were asked for: by day or by the name of the folder.
+Result<void> select_dates(const std::vector<std::string>& wanted, sim::Site& site) {
+  if (wanted.empty()) return {};
+  std::vector<sim::SiteDate> selected;
+  std::vector<bool> met(wanted.size(), false);
+  for (const sim::SiteDate& date : site.dates) {
+    bool take = false;
+    for (std::size_t k = 0; k < wanted.size(); ++k)
+      if (wanted[k] == date.date || wanted[k] == scan_folder_name(date)) take = met[k] = true;
+    if (take) selected.push_back(date);
+  }
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    if (!met[k])
+      return fail(ErrorCode::usage, "cannot simulate", site.name, fmt::format("it has no date {}", wanted[k]),
+                  "leave --date out to simulate them all");
+  site.dates = std::move(selected);
+  return {};
+}
+
 Result<Outcome> run_simulate(SimulateArguments arguments, const Context& context) {
-  RAYFIELD_ASSIGN(const sim::Site site, sim::read_site(arguments.site));
+  RAYFIELD_ASSIGN(sim::Site site, sim::read_site(arguments.site));
+  RAYFIELD_CHECK(select_dates(arguments.dates, site));
   Outcome outcome;
   outcome.data = {{"site", site.name},
                   {"folder", arguments.folder},
@@ -59,6 +82,7 @@ void add_simulate_verb(Commands& commands) {
       [arguments](Context& context) { return run_simulate(*arguments, context); });
   command->add_option("SITE.toml", arguments->site, "The vineyard and its scans (docs/simulation.md)")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
+  command->add_option("--date", arguments->dates, "Only these dates, or scans as date_name (default: all)");
   command->add_flag("!--no-log", arguments->output.log, "Leave out scan.bag and rig.toml");
   command->add_flag("!--no-rays", arguments->output.rays, "Leave out rays.ply");
 }

@@ -1,5 +1,6 @@
 #include "lidar_decoder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -106,10 +107,13 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
   }
   const PointFieldView* intensity = cloud->find("intensity");
   if (intensity == nullptr) intensity = cloud->find("reflectivity");
+  const PointFieldView* ring = cloud->find("ring");
+  if (ring == nullptr) ring = cloud->find("channel");
   RAYFIELD_ASSIGN(const PointTime time, PointTime::find(*cloud));
   has_pattern_ = false;
   scan_.time_s = seconds_from_ns(stamp_ns);
   scan_.direction.clear(), scan_.range_m.clear(), scan_.time_offset_s.clear(), scan_.intensity.clear();
+  shots_.clear(), gaps_.clear();
   const LidarPointCounts before = counts_;
   for (std::uint32_t row = 0; row < cloud->height; ++row) {
     const std::byte* point = cloud->data.data() + std::size_t{row} * cloud->row_step;
@@ -117,22 +121,67 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
       const Eigen::Vector3d p(point_value(point, *x), point_value(point, *y), point_value(point, *z));
       const double offset_s = time.offset_s(point, stamp_ns);
       const double range_m = p.norm();
-      // Drivers write points without a return as NaN or at the origin; their direction is gone.
-      if (range_m == 0.0) {
-        ++counts_.points, ++counts_.zeros, ++counts_.without_direction;
+      const bool placed = std::isfinite(range_m) && range_m > 0;
+      const bool timed = std::abs(offset_s) <= kLongestSweep_s;
+      if (!timed || (!placed && !is_gap(range_m))) {
+        ++counts_.points, ++(range_m == 0 && timed ? counts_.without_direction : counts_.invalid);
+        counts_.zeros += range_m == 0;
         continue;
       }
-      if (!std::isfinite(range_m) || !(std::abs(offset_s) <= kLongestSweep_s)) {
-        ++counts_.points, ++counts_.invalid;
-        continue;
-      }
-      scan_.direction.push_back((p / range_m).cast<float>());
-      scan_.range_m.push_back(classified(static_cast<float>(range_m)));
-      scan_.time_offset_s.push_back(static_cast<float>(offset_s));
+      const auto number =
+          static_cast<std::uint16_t>(ring != nullptr     ? std::clamp(point_value(point, *ring), 0.0, 65535.0)
+                                     : cloud->height > 1 ? row
+                                                         : 0);
+      const auto offset = static_cast<float>(offset_s);
+      const Eigen::Vector3f direction = placed ? Eigen::Vector3f((p / range_m).cast<float>()) : Eigen::Vector3f::Zero();
+      if (placed)
+        shots_.push_back({number, offset, direction});
+      else
+        gaps_.push_back({scan_.range_m.size(), number, range_m == 0});
+      scan_.direction.push_back(direction);
+      scan_.range_m.push_back(placed ? classified(static_cast<float>(range_m)) : kInfinity);
+      scan_.time_offset_s.push_back(offset);
       if (intensity != nullptr) scan_.intensity.push_back(static_cast<float>(point_value(point, *intensity)));
     }
   }
+  fill_gaps();
   return judged(before);
+}
+
+/// True where a cloud writes nothing like this instead of a point when nothing came back: there is no infinite point.
+bool LidarDecoder::is_gap(double range_m) const {
+  return lidar_.no_return == NoReturn::infinity ? !std::isfinite(range_m)
+                                                : lidar_.no_return == NoReturn::zero && range_m == 0;
+}
+
+/// Gives the gaps of a cloud their directions back (docs/rosbag.md); those that stay unknown are left out.
+void LidarDecoder::fill_gaps() {
+  if (gaps_.empty()) return;
+  beams_.learn(shots_);
+  std::vector<std::uint8_t> drop(scan_.range_m.size(), 0);
+  for (const Gap& gap : gaps_) {
+    ++counts_.points;
+    counts_.zeros += gap.at_origin;
+    const std::optional<Eigen::Vector3f> direction = beams_.direction(gap.ring, scan_.time_offset_s[gap.index]);
+    if (direction) {
+      scan_.direction[gap.index] = *direction;
+      ++counts_.no_returns, ++counts_.restored;
+    } else {
+      drop[gap.index] = 1;
+      ++(gap.at_origin ? counts_.without_direction : counts_.invalid);
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < drop.size(); ++i) {
+    if (drop[i] != 0) continue;
+    scan_.direction[kept] = scan_.direction[i];
+    scan_.range_m[kept] = scan_.range_m[i];
+    scan_.time_offset_s[kept] = scan_.time_offset_s[i];
+    if (!scan_.intensity.empty()) scan_.intensity[kept] = scan_.intensity[i];
+    ++kept;
+  }
+  scan_.direction.resize(kept), scan_.range_m.resize(kept), scan_.time_offset_s.resize(kept);
+  if (!scan_.intensity.empty()) scan_.intensity.resize(kept);
 }
 
 }  // namespace rayfield::formats

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "beam_geometry.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
@@ -32,6 +33,15 @@ class LidarDecoder {
   float classified(float range_m);
   DecodeState judged(const LidarPointCounts& before) const;
   void use_pattern(const LaserScanView& view);
+  bool is_gap(double range_m) const;
+  void fill_gaps();
+
+  /// A shot without a return, in scan_ without its direction.
+  struct Gap {
+    std::size_t index;
+    std::uint16_t ring;
+    bool at_origin;
+  };
 
   Rig::Lidar lidar_;
   LidarScan scan_;
@@ -39,6 +49,10 @@ class LidarDecoder {
   // The pattern whose directions and times scan_ holds: a lidar keeps the same one from scan to scan.
   bool has_pattern_ = false;
   float angle_min_ = 0, angle_increment_ = 0, time_increment_ = 0;
+  // Of the cloud at hand.
+  BeamGeometry beams_;
+  std::vector<BeamGeometry::Shot> shots_;
+  std::vector<Gap> gaps_;
 };
 
 /// Time of each point of a cloud relative to the stamp of its message.

@@ -10,6 +10,8 @@
 namespace rayfield::formats {
 namespace {
 
+/// Share of invalid points from which canopies would come out too dense: the sky is missing.
+constexpr double kManyInvalid = 0.1;
 /// Share of zero ranges from which the rig's no_return looks wrong: sensors hardly ever measure exactly 0.
 constexpr double kManyZeros = 0.01;
 
@@ -97,6 +99,12 @@ std::vector<std::string> LogReport::warnings() const {
         fmt::format("{:.1f} % of the ranges are exactly 0: if that means nothing came back, set "
                     "no_return = \"zero\" in the rig file",
                     100 * share_of(points.zeros)));
+  }
+  if (share_of(points.invalid) > kManyInvalid) {
+    lines.push_back(
+        fmt::format("{:.1f} % of the lidar's points are NaN or have an impossible time and are left out: they do not "
+                    "count as seen empty",
+                    100 * share_of(points.invalid)));
   }
   return lines;
 }

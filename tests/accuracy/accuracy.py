@@ -17,6 +17,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 
 import numpy as np
 from osgeo import gdal, ogr, osr
@@ -300,8 +301,10 @@ def main():
     parser.add_argument("--json")
     parser.add_argument("--restore-missing", action="store_true", help="add scans with --restore-missing")
     parser.add_argument("--slam", action="store_true", help="rays from the logs through SLAM instead of true poses")
-    parser.add_argument("--reuse", action="store_true", help="keep simulations that are there")
+    parser.add_argument("--keep", action="store_true", help="keep simulated logs, clouds and blocks (1 GB a site)")
+    parser.add_argument("--reuse", action="store_true", help="take simulations that an earlier --keep left")
     arguments = parser.parse_args()
+    keep = arguments.keep or arguments.reuse
     everything, trajectories, bad = {}, [], False
     targets = TARGETS_SLAM if arguments.slam else TARGETS
     print("| site | scan | plant area ratio | RRMSE | slope | rows | posts: median m, found, invented | ground RMSE open / vine, m | raster/panels | misses |")
@@ -309,13 +312,17 @@ def main():
     for site_file in arguments.sites:
         name = os.path.splitext(os.path.basename(site_file))[0]
         folder = f"{arguments.out}/{name}"
-        if not (arguments.reuse and os.path.isdir(f"{folder}/logs")):
-            run(arguments.rayfield, "simulate", site_file, "-o", f"{folder}/logs", "--overwrite", "-q")
-        subprocess.run(["rm", "-rf", *glob.glob(f"{folder}/block*"), *glob.glob(f"{folder}/maps*")], check=True)
-        scans = sorted(os.path.dirname(p) for p in glob.glob(f"{folder}/logs/*/truth"))
-        crs = f"EPSG:{json.load(open(scans[0] + '/truth/site.json'))['epsg']}"
+        subprocess.run(["rm", "-rf", *([] if arguments.reuse else [folder]), *glob.glob(f"{folder}/block*"),
+                        *glob.glob(f"{folder}/maps*")], check=True)
+        with open(site_file, "rb") as file:
+            dates = [d["date"] + ("_" + d["name"] if d.get("name") else "") for d in tomllib.load(file)["date"]]
+        scans = [f"{folder}/logs/{date}" for date in sorted(dates)]
         ids, blocks = [], []
         for scan in scans:
+            if not os.path.isdir(scan):
+                run(arguments.rayfield, "simulate", site_file, "-o", f"{folder}/logs", "--date", os.path.basename(scan),
+                    "--no-rays" if arguments.slam else "--no-log", "-q")
+            crs = f"EPSG:{json.load(open(scan + '/truth/site.json'))['epsg']}"
             # Scans through SLAM differ in place by what the receiver does: each has a block of its own.
             block = f"{folder}/block_{len(ids)}" if arguments.slam else f"{folder}/block"
             if block not in blocks:
@@ -330,6 +337,9 @@ def main():
             added = run(arguments.rayfield, "add", block, rays, "--date", date, *(["--name", label] if label else []),
                         *(["--restore-missing"] if arguments.restore_missing else []), "--json", "-q")
             ids.append(added["scan_id"])
+            if not keep:
+                for path in glob.glob(f"{scan}/*.ply") + glob.glob(f"{scan}/*.bag"):
+                    os.remove(path)
         for block in sorted(set(blocks)):
             run(arguments.rayfield, "process", block, "-q")
             run(arguments.rayfield, "export", block, "-o", maps_of(block), "-q")
@@ -356,6 +366,8 @@ def main():
                 missed = rrmse > TARGETS["repeat"]
                 bad = bad or missed
                 print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | {'repeat' if missed else '–'} |", flush=True)
+        if not keep:
+            subprocess.run(["rm", "-rf", folder], check=True)
     if trajectories:
         print_trajectories(trajectories)
         everything["trajectories"] = [{"site": n, "scan": i, **f} for n, i, f in trajectories]

@@ -188,7 +188,7 @@ TEST(SensorLogWriter, RoundTripsTheSensorsOfASpinningRig) {
   Collected got;
   const auto report = read_log(file.path(), spinning_rig(), got);
   ASSERT_TRUE(report) << report.error().line();
-  EXPECT_TRUE(report->warnings().empty());
+  EXPECT_THAT(report->warnings(), ::testing::ElementsAre(::testing::HasSubstr("20.0 % of the lidar's points are NaN")));
   ASSERT_EQ(got.imus.size(), 50U);
   ASSERT_EQ(got.scans.size(), 50U);
   ASSERT_EQ(got.angles.size(), 50U);
@@ -248,6 +248,48 @@ TEST(SensorLogWriter, RoundTripsPointCloudsWithTimePerPoint) {
   EXPECT_EQ(scan.time_offset_s[3], 3e-3F);
   EXPECT_EQ(scan.intensity[3], 4.0F);
   EXPECT_EQ(report->points.invalid, 50U);
+}
+
+// A sweep of 16 beams whose upper half sees the sky in part.
+TEST(SensorLogWriter, PointCloudsWithRingsKeepRaysWithoutAReturnUnderEveryConvention) {
+  LidarScan sweep;
+  std::vector<std::uint16_t> rings;
+  for (int k = 0; k < 16 * 360; ++k) {
+    const int ring = k % 16, step = k / 16;
+    const double elevation = (-15 + 2.0 * ring) * M_PI / 180, azimuth = step * M_PI / 180;
+    sweep.direction.push_back(Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                              std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
+                                  .cast<float>());
+    sweep.range_m.push_back(ring > 8 && (step + ring) % 3 == 0 ? INFINITY : 4.0F);
+    sweep.time_offset_s.push_back(0.1F * static_cast<float>(step) / 360.0F);
+    rings.push_back(static_cast<std::uint16_t>(ring));
+  }
+  for (const NoReturn convention : {NoReturn::infinity, NoReturn::zero, NoReturn::max_range}) {
+    Rig rig;
+    rig.lidar.no_return = convention;
+    const TemporaryFile file("");
+    auto writer = SensorLogWriter::create(file.path(), rig);
+    ASSERT_TRUE(writer);
+    for (int n = 0; n < 3; ++n) {
+      sweep.time_s = 100 + 0.1 * n;
+      ASSERT_TRUE(writer->points(sweep, rings));
+    }
+    ASSERT_TRUE(writer->close());
+    Collected got;
+    const auto report = read_log(file.path(), rig, got, LogOptions{.require_imu = false});
+    ASSERT_TRUE(report) << report.error().line();
+    ASSERT_EQ(got.scans.size(), 3U);
+    EXPECT_EQ(report->points.points, 3U * 16 * 360);
+    EXPECT_EQ(report->points.no_returns, 3U * 7 * 120);
+    EXPECT_EQ(report->points.restored, convention == NoReturn::max_range ? 0U : 3U * 7 * 120);
+    for (const LidarScan& scan : got.scans) {
+      ASSERT_EQ(scan.range_m.size(), sweep.range_m.size());
+      for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+        EXPECT_EQ(std::isinf(scan.range_m[i]), std::isinf(sweep.range_m[i]));
+        EXPECT_LT((scan.direction[i] - sweep.direction[i]).norm(), 1e-3F);
+      }
+    }
+  }
 }
 
 TEST(SensorLogWriter, RefusesColumnsOfUnequalLengthAndSensorsThatTheRigLacks) {

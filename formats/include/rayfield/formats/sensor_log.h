@@ -66,6 +66,7 @@ struct LidarPointCounts {
   std::uint64_t no_returns = 0;         ///< nothing within max_range_m; those that hit beyond it included
   std::uint64_t too_close = 0;          ///< below min_range_m
   std::uint64_t invalid = 0;            ///< NaN, negative, or a time outside the scan
+  std::uint64_t restored = 0;           ///< of no_returns: points of a cloud whose direction followed from the others
   std::uint64_t without_direction = 0;  ///< points at the origin of a cloud: left out
   std::uint64_t zeros = 0;              ///< ranges written as exactly 0, whatever they count as
 };

@@ -44,7 +44,8 @@ class SensorLogWriter {
                     std::span<const float> intensity);
   /// A PointCloud2 with the fields x y z intensity (float32), ring (uint16), time (float32, s after the stamp).
   /// A point cloud keeps the direction of a ray without a return only under no_return = max_range; otherwise such
-  /// points are written as most drivers do: NaN (infinity) or zeros (zero). `ring` of the scan's size or empty.
+  /// points are written as most drivers do: NaN (infinity) or zeros (zero), and readers need the rings to find the
+  /// direction again. `ring` of the scan's size or empty.
   /// Errors: usage (sizes).
   Result<void> points(const LidarScan& scan, std::span<const std::uint16_t> ring);
   /// Completes the file. Nothing can be written afterwards.
