@@ -35,6 +35,7 @@ struct GlobalStats {
   Eigen::Vector2d offsets = Eigen::Vector2d::Zero();         ///< estimated lidar (s) and spinner (rad) offsets
   Eigen::Vector2d offset_sigmas = Eigen::Vector2d::Zero();
   std::vector<PoseUncertainty> uncertainty;  ///< relative to the pose in the middle of the drive
+  double imu_misfit = 0, imu_misfit_s = 0;   ///< largest over stretches of five seconds, standard deviations; its time
   int iterations = 0;
   double last_correction_m = 0;  ///< largest move of a knot in the last iteration, less the motion of the whole
   double matching_seconds = 0, solving_seconds = 0;

@@ -6,11 +6,13 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 10;       // samples of one IMU residual: 0.1 s
-constexpr double kFixed = 1e14;     // information that holds an unknown
-constexpr double kGauge = 1e-3;     // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
-constexpr int kDirectBlocks = 400;  // larger systems are solved iteratively
-constexpr std::size_t kParts = 4;   // partial sums; their number is fixed so that threads do not change the result
+constexpr int kImuGroup = 10;         // samples of one IMU residual: 0.1 s
+constexpr double kFixed = 1e14;       // information that holds an unknown
+constexpr double kGauge = 1e-3;       // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
+constexpr double kMisfitSeconds = 5;  // over which the IMU is held against the trajectory
+constexpr double kTurn = 0.3;         // rad
+constexpr int kDirectBlocks = 400;    // larger systems are solved iteratively
+constexpr std::size_t kParts = 4;     // partial sums; their number is fixed so that threads do not change the result
 // Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad).
 const Eigen::Vector2d kOffsetSigma(0.05, 0.05);
 
@@ -231,6 +233,32 @@ void GlobalProblem::rotate_surfels(double lidar_offset_s, double spinner_offset_
     const Eigen::Quaterniond turn = exp_so3(angle * surfel_frame_.spin_axis);
     s.center = (turn * (s.center.cast<double>() - surfel_frame_.spin_origin) + surfel_frame_.spin_origin).cast<float>();
     s.normal = (turn * s.normal.cast<double>()).cast<float>();
+  }
+}
+
+// Mean residuals of gyroscope and accelerometer over stretches of five seconds against their standard deviations. Turns
+// are left out: there the gyroscope's scale counts, which nobody states.
+void GlobalProblem::measure_imu_misfit(GlobalStats& stats) const {
+  const double dt = frame_.track->step_s, duration = kImuGroup * dt;
+  const int groups = (frame_.track->size() - 2) / kImuGroup;
+  const int together = std::max(1, static_cast<int>(std::lround(kMisfitSeconds / duration)));
+  const double gyro_weight = together / odometry_.noise.gyro_variance(duration);
+  const double accel_weight = together / odometry_.noise.accel_variance(duration);
+  stats.imu_misfit = 0;
+  for (int begin = 0; begin + together <= groups; begin += std::max(1, together / 2)) {
+    const Eigen::Quaterniond &r0 = frame_.track->rotation[1 + begin * kImuGroup],
+                             &r1 = frame_.track->rotation[1 + (begin + together) * kImuGroup];
+    if (r0.angularDistance(r1) > kTurn) continue;
+    Eigen::Vector3d gyro = Eigen::Vector3d::Zero(), accel = gyro;
+    for (int group = begin; group < begin + together; ++group) {
+      const int first = 1 + group * kImuGroup;
+      const BiasWeights bias = bias_weights((first + 0.5 * kImuGroup) * dt);
+      const InertialState state = inertial_at(bias);
+      gyro += gyro_residual(frame_, bias, state, imu_.gyro(), first, kImuGroup).error / together;
+      accel += accel_residual(frame_, bias, state, imu_.accel(), first, kImuGroup).error / together;
+    }
+    const double misfit = std::sqrt((gyro.squaredNorm() * gyro_weight + accel.squaredNorm() * accel_weight) / 6);
+    if (misfit > stats.imu_misfit) stats.imu_misfit = misfit, stats.imu_misfit_s = (begin + 0.5 * together) * duration;
   }
 }
 

@@ -30,6 +30,9 @@ class GlobalProblem {
   const Eigen::Vector2d& offsets() const { return offsets_; }
   double knot_step_s() const { return knot_step_s_; }
 
+  /// Where the trajectory contradicts the IMU most: a map that is torn, lanes taken for one another, shows here.
+  void measure_imu_misfit(GlobalStats& stats) const;
+
   /// Marginal covariances with the pose in the middle of the drive held, and those of the estimated offsets.
   Result<void> measure_uncertainty(GlobalStats& stats);
 

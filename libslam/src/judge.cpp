@@ -13,6 +13,9 @@ constexpr double kMaxSpeed = 15;           // m/s, of a vehicle between vines
 constexpr double kMinInliers = 0.5;        // share of matches within three standard deviations
 constexpr double kMaxBlindFraction = 0.3;  // share of windows with hardly any match
 constexpr int kFewMatches = 30;
+// Largest mean residual of the IMU over a straight stretch, standard deviations. Maps that are right: 1.1–1.5; with a
+// lane taken for the next one, 2.7 and more.
+constexpr double kDoubtfulMisfit = 2.5, kMaxMisfit = 8;
 constexpr double kMaxTail = 4;  // 95 % of the fixes lie within so many times the bound of their median
 
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
@@ -116,6 +119,12 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   if (!r.degenerate.empty())
     r.warnings.push_back(fmt::format("{} stretches where lidar alone does not hold the position", r.degenerate.size()));
   if (f.stats.thickness_count == 0) r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
+  r.imu_misfit = f.stats.imu_misfit;
+  if (r.imu_misfit > kDoubtfulMisfit)
+    r.warnings.push_back(fmt::format(
+        "around {:.0f} s after the start the path contradicts the IMU by {:.1f} standard deviations: a lane "
+        "may have been taken for the next one there, or the IMU is noisier than the rig file says",
+        f.stats.imu_misfit_s, r.imu_misfit));
   if (f.gps.invalid > 0)
     r.warnings.push_back(fmt::format("{} GPS messages without a usable fix left out", f.gps.invalid));
   return r;
@@ -144,6 +153,10 @@ Result<void> judge(const RunFacts& f, const SlamReport& report) {
   if (report.surfel_thickness_m > f.options.max_thickness_m)
     return failed(fmt::format("surfaces seen again are {:.0f} mm thick", 1000 * report.surfel_thickness_m),
                   "check the extrinsics and the clocks in the rig file");
+  if (report.imu_misfit > kMaxMisfit)
+    return failed(fmt::format("around {:.0f} s after its start it contradicts the IMU by {:.0f} standard deviations",
+                              f.stats.imu_misfit_s, report.imu_misfit),
+                  "check the IMU's noise in the rig file and the extrinsics; or lanes were taken for one another");
   if (f.alignment.solved && report.gps.median_offset_m > f.options.gps.max_residual_m)
     return failed(fmt::format("half of the GPS fixes are more than {:.1f} m off", report.gps.median_offset_m),
                   "the GPS or its clock is at fault: check time.gps_offset_s, or leave [gps] out of the rig file");

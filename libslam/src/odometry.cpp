@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kGravity = 9.80665;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
+constexpr double kReuse = 3;             // matches that share the error of a surfel
 constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -100,8 +101,9 @@ Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   prior.covariance = inertial_covariance_;
   RAYFIELD_ASSIGN(WindowStats stats, solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_,
                                                   out_.noise, prior, first_sample, last_sample, state_));
-  // Windows overlap: a datum is used length/advance times, so only that share of the information gained is kept.
-  const double reuse = first ? 1.0 : options_.window.length_s / options_.window.advance_s;
+  // Windows overlap: a datum is used length/advance times, so only that share of the information gained is kept, and
+  // less still, because a surface that is matched with several bins has the same error in all of them.
+  const double reuse = first ? 1.0 : kReuse * options_.window.length_s / options_.window.advance_s;
   const Matrix8d before = inertial_covariance_.inverse(), after = stats.covariance.inverse();
   inertial_covariance_ = (before + (after - before) / reuse).inverse();
   Eigen::Matrix<double, 8, 1> walk;

@@ -52,6 +52,8 @@ Result<void> GlobalOptions::validate() const {
   RAYFIELD_CHECK(in_range("global.release_iterations", release_iterations, 0, 100));
   RAYFIELD_CHECK(in_range("global.converged_m", converged_m, 1e-4, 1));
   RAYFIELD_CHECK(in_range("global.first_gap_s", first_gap_s, 20, 1000));
+  RAYFIELD_CHECK(in_range("global.gap_growth", gap_growth, 1.05, 2));
+  RAYFIELD_CHECK(in_range("global.max_revisit_thickness_m", max_revisit_thickness_m, 1e-4, 10));
   RAYFIELD_CHECK(in_range("global.first_slack_m", first_slack_m, 0.01, 2));
   RAYFIELD_CHECK(in_range("global.coarse_knots", coarse_knots, 50, 2000));
   RAYFIELD_CHECK(in_range("global.fine_knots", fine_knots, coarse_knots, 10000));

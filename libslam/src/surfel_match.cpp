@@ -137,7 +137,7 @@ std::vector<PlacedSurfel> place_surfels(std::span<const Surfel> surfels, const P
       const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
       const Eigen::Vector3d x = r * s.center.cast<double>() + pose.translation - origin;
       const Eigen::Vector3d n = r * s.normal.cast<double>();
-      out[k] = {x.cast<float>(), n.cast<float>(), static_cast<float>(s.time_s), s.level};
+      out[k] = {x.cast<float>(), n.cast<float>(), static_cast<float>(s.time_s), s.level, s.variance_m2};
     }
     return {};
   });
@@ -159,9 +159,12 @@ std::vector<SurfelMatch> mutual_matches(std::span<const PlacedSurfel> surfels, s
       return {};
     });
   }
+  const double max_variance = query.max_thickness_m * query.max_thickness_m;
+  const auto thin = [&](std::uint32_t k) { return static_cast<double>(surfels[k].variance_m2) <= max_variance; };
   std::vector<SurfelMatch> matches;
   for (std::uint32_t k = 0; k < nearest.size(); ++k)
-    if (nearest[k] != kNone && nearest[k] > k && nearest[nearest[k]] == k) matches.push_back({k, nearest[k]});
+    if (nearest[k] != kNone && nearest[k] > k && nearest[nearest[k]] == k && thin(k) && thin(nearest[k]))
+      matches.push_back({k, nearest[k]});
   return matches;
 }
 

@@ -16,6 +16,7 @@ struct PlacedSurfel {
   Eigen::Vector3f center, normal;  ///< world, m
   float time_s;
   std::uint8_t level;
+  float variance_m2;  ///< of the surface's thickness
 };
 
 /// Two surfels of one surface: indices into the placed surfels, first < second.
@@ -28,6 +29,7 @@ struct MatchQuery {
   double radius_voxels = 1;  ///< in position–normal space, × voxel edge
   double max_radius_m = 1e9;
   double normal_scale_m = 0.5;
+  double max_thickness_m = 1e9;  ///< of either surfel, standard deviation: pairs that are thicker are left out
   double min_gap_s = 0.7, max_gap_s = 1e9;  ///< |time difference| in [min, max)
 };
 

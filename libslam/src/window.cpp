@@ -106,7 +106,7 @@ void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfel
     const double variance = sigma_m * sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
     const double square = r.error() * r.error();
     const double scale2 = cauchy * cauchy * variance + slack_m * slack_m;
-    const double weight = kSurfelIndependence / (variance * (1 + square / scale2));
+    const double weight = kSurfelIndependence / ((variance + slack_m * slack_m) * (1 + square / scale2));
     system.add(r.first, weight);
     system.add(r.second, weight);
     coupling.add_coupling(r.first, r.second, weight);

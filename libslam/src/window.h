@@ -47,9 +47,9 @@ struct WindowStats {
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.
 /// What ties the two surfels of a match goes to `coupling`, which may be `system` itself.
-/// `sigma_m` is the standard deviation of an offset apart from the surfels' own thickness. Cauchy weights have the
-/// scale √(cauchy²·variance + slack²): the slack lets whole lanes move that are further apart than their surfels are
-/// thick.
+/// `sigma_m` is the standard deviation of an offset apart from the surfels' own thickness. Offsets may be off by
+/// `slack_m` besides: the weight is 1/(variance + slack²), and Cauchy's scale is √(cauchy²·variance + slack²). So whole
+/// lanes move that are further apart than their surfels are thick, and wrong matches do not outvote the IMU meanwhile.
 void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
                       double sigma_m, double cauchy, double slack_m, BlockSystem& system, BlockSystem& coupling,
                       WindowStats& stats);

@@ -52,13 +52,17 @@ struct GlobalOptions {
   int revisit_iterations = 8;   ///< with revisits and GPS
   int release_iterations = 12;  ///< at most, with revisits, GPS released
   double converged_m = 0.01;    ///< largest correction that ends these iterations, 1e-4–1
-  /// Revisits at most this far apart in time are matched first; the limit doubles with every iteration, 20–1000.
-  double first_gap_s = 60;
+  /// Revisits at most this far apart in time are matched first, 20–1000; the limit grows by this factor with every
+  /// iteration, 1.05–2.
+  double first_gap_s = 60, gap_growth = 1.2;
   /// How far lanes may be apart after stage a, m: scale of the weights of revisits in their first iteration. It shrinks
   /// to nothing; 0.01–2.
   double first_slack_m = 0.3;
   /// Most knots of a long drive, whose spacing grows: while revisits are still far apart, 50–2000, and in the end.
   int coarse_knots = 250, fine_knots = 1200;
+  /// Thicker surfaces (foliage) bring lanes near to each other, but the result does not rest on them: m, standard
+  /// deviation, > 0.
+  double max_revisit_thickness_m = 0.02;
   double revisit_gap_s = 10.0;  ///< matches further apart in time are revisits, > the window's length
   /// Matches further apart than half of this are refused where GPS holds the drive: the next row looks the same.
   double row_spacing_m = 2.0;
