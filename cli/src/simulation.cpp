@@ -2,6 +2,8 @@
 
 #include <numbers>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "rayfield/formats/formats.h"
 
@@ -29,12 +31,17 @@ class BagSink : public SensorSink {
       : writer_(writer),
         pattern_(pattern_of(site)),
         spinning_(site.lidar.kind == sim::LidarKind::spinning),
+        beams_(static_cast<std::size_t>(site.multi_beam.beams)),
         rate_rad_s_(2 * std::numbers::pi * site.spinning.spin_rate_hz) {}
   void imu(const ImuSample& sample) override { take(writer_.imu(sample)); }
   void gps(const GpsFix& fix) override { take(writer_.gps(fix)); }
   void spinner(const SpinnerAngle& angle) override { take(writer_.spinner(angle, rate_rad_s_)); }
   void lidar(const LidarScan& scan) override {
-    take(spinning_ ? writer_.scan(scan.time_s, pattern_, scan.range_m, scan.intensity) : writer_.points(scan, {}));
+    // All beams of an azimuth follow each other, lowest first.
+    for (std::size_t k = rings_.size(); !spinning_ && k < scan.range_m.size(); ++k)
+      rings_.push_back(static_cast<std::uint16_t>(k % beams_));
+    take(spinning_ ? writer_.scan(scan.time_s, pattern_, scan.range_m, scan.intensity)
+                   : writer_.points(scan, std::span(rings_).first(scan.range_m.size())));
   }
   const std::optional<Error>& error() const { return error_; }
 
@@ -45,6 +52,8 @@ class BagSink : public SensorSink {
   formats::SensorLogWriter& writer_;
   formats::ScanPattern pattern_;
   bool spinning_;
+  std::size_t beams_;
+  std::vector<std::uint16_t> rings_;
   double rate_rad_s_;
   std::optional<Error> error_;
 };

@@ -55,6 +55,18 @@ std::optional<std::size_t> find_near(const std::vector<PlacedStem>& stems, doubl
   return best;
 }
 
+// How many sure posts stand at multiples of the spacing from the one that explains most.
+std::size_t most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                            double spacing_m) {
+  std::size_t most = 0;
+  for (std::size_t a : sure)
+    most = std::max(most, static_cast<std::size_t>(std::count_if(sure.begin(), sure.end(), [&](std::size_t i) {
+                      const double along = (stems[i].chainage_m - stems[a].chainage_m) / spacing_m;
+                      return std::abs(along - std::round(along)) <= kTolerance;
+                    })));
+  return most;
+}
+
 // The sure post from which the spacing explains most of the others; nothing if that is less than half of them in a
 // block whose posts do not stand regularly.
 std::optional<std::size_t> find_anchor(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
@@ -120,12 +132,14 @@ std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
 
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                            const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
+  // Between all pairs that are not far apart: a vine taken for a post must not hide the gap between its neighbours.
   std::vector<double> gaps;
   for (std::size_t r = 0; r < stems.size(); ++r)
-    for (std::size_t i = 1; i < sure[r].size(); ++i) {
-      const double gap = stems[r][sure[r][i]].chainage_m - stems[r][sure[r][i - 1]].chainage_m;
-      if (gap >= min_m) gaps.push_back(gap);
-    }
+    for (std::size_t i = 0; i < sure[r].size(); ++i)
+      for (std::size_t j = i + 1; j < sure[r].size(); ++j) {
+        const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
+        if (gap >= min_m && gap <= 2 * max_m) gaps.push_back(gap);
+      }
   const auto multiple = [](double gap, double spacing) { return std::max(1.0, std::round(gap / spacing)); };
   const auto fits = [&](double gap, double spacing) {
     return std::abs(gap / multiple(gap, spacing) - spacing) <= kTolerance * spacing;
@@ -145,7 +159,15 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
   std::vector<double> inliers;
   for (double gap : gaps)
     if (fits(gap, best)) inliers.push_back(gap / multiple(gap, best));
-  return {median(inliers), inliers.size() >= 4 && 2 * inliers.size() > gaps.size()};
+  const double spacing = median(inliers);
+  // Regular: most sure posts stand at multiples of the spacing from the one of their row that explains most.
+  std::size_t others = 0, explained = 0;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    if (sure[r].empty()) continue;
+    others += sure[r].size() - 1;
+    explained += most_on_lattice(stems[r], sure[r], spacing) - 1;
+  }
+  return {spacing, explained >= 4 && 2 * explained > others};
 }
 
 PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,

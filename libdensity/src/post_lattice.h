@@ -16,10 +16,11 @@ struct PlacedStem {
 /// within the canopy. Ascending.
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems);
 
-/// The distance that explains most gaps between sure posts as a whole multiple; NaN without gaps.
+/// The distance that explains most gaps between sure posts of a row as a whole multiple; NaN without gaps.
 struct UsualSpacing {
   double spacing_m = 0;
-  bool regular = false;  ///< at least four gaps, and more than half of all, agree
+  /// Most sure posts stand at multiples of the spacing from one of their row, and at least four of them.
+  bool regular = false;
 };
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                            const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m);

@@ -13,6 +13,8 @@ namespace {
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
+constexpr int kNearInterval = 4;  // iterations between two searches for near matches
+
 // What one iteration does (method: annealing, release).
 struct Step {
   bool revisits = false, gps = false;
@@ -50,18 +52,19 @@ struct Matches {
   std::vector<SurfelMatch> near, revisits;
 };
 
-Matches find_matches(const OdometryResult& odometry, const Step& step, const SlamOptions& options) {
+// Fills the matches of a step. Near ones are kept where there are some: corrections hardly move surfels that are close
+// in time against each other.
+void find_matches(const OdometryResult& odometry, const Step& step, const SlamOptions& options, Matches& out) {
   const int threads = thread_count(options.threads);
   const auto placed =
       place_surfels(odometry.surfels, odometry.track, odometry.track.position[odometry.track.size() / 2], threads);
-  Matches out;
   MatchQuery query;
   query.normal_scale_m = options.match.normal_scale_m;
   query.radius_voxels = options.match.last_radius_voxels;
   query.min_gap_s = options.match.min_time_gap_s;
   query.max_gap_s = options.window.length_s;
-  out.near = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
-  if (!step.revisits) return out;
+  if (out.near.empty()) out.near = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
+  if (!step.revisits) return;
   query.radius_voxels = options.match.first_radius_voxels *
                         std::pow(options.match.last_radius_voxels / options.match.first_radius_voxels, step.anneal);
   query.max_radius_m = 0.5 * options.global.row_spacing_m;
@@ -69,7 +72,6 @@ Matches find_matches(const OdometryResult& odometry, const Step& step, const Sla
   query.max_gap_s = step.max_gap_s;
   if (!step.foliage) query.max_thickness_m = options.global.max_revisit_thickness_m;
   out.revisits = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
-  return out;
 }
 
 // The robust spread of a flat surface seen at different visits.
@@ -131,7 +133,8 @@ class Registration {
   Result<void> iterate(const Step& step) {
     if (progress_.cancelled()) return fail(ErrorCode::interrupted, "stopped", "global registration", "by the user");
     double begin = now_s();
-    matches_ = find_matches(odometry_, step, options_);
+    if (stats_.iterations % kNearInterval == 0) matches_.near.clear();
+    find_matches(odometry_, step, options_, matches_);
     stats_.matching_seconds += now_s() - begin;
     begin = now_s();
     use_knots(step.coarse);
@@ -153,7 +156,8 @@ class Registration {
   }
 
   Result<void> measure(const Step& last, const std::vector<Eigen::Vector3d>& before_release) {
-    matches_ = find_matches(odometry_, last, options_);
+    matches_ = {};
+    find_matches(odometry_, last, options_, matches_);
     problem_->measure_imu_misfit(stats_);
     use_knots(true);  // covariances need a factor of the whole system
     RAYFIELD_CHECK(problem_->linearise(matches_.near, matches_.revisits, 0.0, 0.0, stats_));

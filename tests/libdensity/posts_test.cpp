@@ -153,6 +153,37 @@ TEST(Posts, OnTheBorderOfTwoTilesAreFoundOnce) {
   EXPECT_EQ(placed.report.inferred, 0);
 }
 
+// Posts at every seventh metre, some of them lost in the leaves, and vines at every 1.75 m of which some look like
+// posts.
+TEST(Posts, AreToldFromTallVinesByTheSpacingOfTheBlock) {
+  constexpr double kLength = 42, kSpacing = 7, kVine = 1.75;
+  const std::vector<std::vector<int>> lost = {{2, 3, 4}, {2, 4}, {1, 3, 4, 5}};
+  const std::vector<std::vector<int>> tall = {{3, 14}, {2, 4, 14}, {}};
+  RowLayout layout;
+  std::vector<Stem> stems;
+  for (int row = 1; row <= 3; ++row) {
+    const double y = 2.5 * row;
+    layout.rows.push_back({row, {{0, y}, {kLength, y}}});
+    const auto is_in = [&](const std::vector<std::vector<int>>& which, int i) {
+      const std::vector<int>& of_row = which[static_cast<std::size_t>(row - 1)];
+      return std::find(of_row.begin(), of_row.end(), i) != of_row.end();
+    };
+    const auto add = [&](double x, double radius_m, double top_m, double upper_share) {
+      Stem stem;
+      stem.row = row, stem.position = {x, y}, stem.radius_m = radius_m, stem.top_m = top_m;
+      stem.contrast = 100, stem.upper_share = upper_share;
+      stems.push_back(stem);
+    };
+    for (int i = 0; i <= 6; ++i) add(i * kSpacing, 0.035, 1.8, is_in(lost, i) ? 0.0 : 1.2);
+    for (int i = 0; i < 24; ++i) add((i + 0.5) * kVine, 0.025, 1.0, is_in(tall, i) ? 1.1 : 0.0);
+  }
+  ASSERT_TRUE(place_posts(layout, stems));
+  ASSERT_EQ(layout.posts.size(), 21U);
+  EXPECT_EQ(layout.panels.size(), 18U);
+  for (const Post& post : layout.posts)
+    EXPECT_NEAR(post.chainage_m, kSpacing * std::round(post.chainage_m / kSpacing), 0.01);
+}
+
 TEST(Panels, OfGivenLengthLetAShortRestJoinItsNeighbour) {
   RowLayout layout;
   for (const double length : {20.0, 22.9, 23.6, 3.0}) {
