@@ -177,7 +177,7 @@ TEST(Posts, AreToldFromTallVinesByTheSpacingOfTheBlock) {
     for (int i = 0; i <= 6; ++i) add(i * kSpacing, 0.035, 1.8, is_in(lost, i) ? 0.0 : 1.2);
     for (int i = 0; i < 24; ++i) add((i + 0.5) * kVine, 0.025, 1.0, is_in(tall, i) ? 1.1 : 0.0);
   }
-  ASSERT_TRUE(place_posts(layout, stems));
+  ASSERT_TRUE(place_posts(layout, stems, PostOptions()));
   ASSERT_EQ(layout.posts.size(), 21U);
   EXPECT_EQ(layout.panels.size(), 18U);
   for (const Post& post : layout.posts)
