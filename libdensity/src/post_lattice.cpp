@@ -140,34 +140,42 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
         const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
         if (gap >= min_m && gap <= 2 * max_m) gaps.push_back(gap);
       }
-  const auto multiple = [](double gap, double spacing) { return std::max(1.0, std::round(gap / spacing)); };
-  const auto fits = [&](double gap, double spacing) {
-    return std::abs(gap / multiple(gap, spacing) - spacing) <= kTolerance * spacing;
+  std::size_t others = 0;
+  for (const auto& of_row : sure) others += of_row.empty() ? 0 : of_row.size() - 1;
+  // How many sure posts stand at multiples of a spacing from the one of their row that explains most.
+  const auto explained = [&](double spacing) {
+    std::size_t sum = 0;
+    for (std::size_t r = 0; r < stems.size(); ++r)
+      if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing) - 1;
+    return sum;
   };
-  double best = std::numeric_limits<double>::quiet_NaN(), best_score = 0;
+  struct Candidate {
+    double spacing_m;
+    std::size_t explained;
+  };
+  std::vector<Candidate> candidates;
+  std::size_t most = 0;
   for (double gap : gaps)
     for (int parts = 1; parts <= 3; ++parts) {
       const double spacing = gap / parts;
       if (spacing < min_m || spacing > max_m) continue;
-      // A gap of m spacings counts 1/m²: half the true spacing would explain everything, but not as well.
-      double score = 0;
-      for (double other : gaps)
-        if (fits(other, spacing)) score += 1 / (multiple(other, spacing) * multiple(other, spacing));
-      if (score > best_score + 1e-9) best = spacing, best_score = score;
+      candidates.push_back({spacing, explained(spacing)});
+      most = std::max(most, candidates.back().explained);
     }
-  if (best_score == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
-  std::vector<double> inliers;
-  for (double gap : gaps)
-    if (fits(gap, best)) inliers.push_back(gap / multiple(gap, best));
-  const double spacing = median(inliers);
-  // Regular: most sure posts stand at multiples of the spacing from the one of their row that explains most.
-  std::size_t others = 0, explained = 0;
-  for (std::size_t r = 0; r < stems.size(); ++r) {
-    if (sure[r].empty()) continue;
-    others += sure[r].size() - 1;
-    explained += most_on_lattice(stems[r], sure[r], spacing) - 1;
+  if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
+  // Half the spacing explains as much, and a little more by chance: of those that do nearly as well, the widest.
+  const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
+  double widest = 0;
+  for (const Candidate& c : candidates)
+    if (c.explained >= enough) widest = std::max(widest, c.spacing_m);
+  std::vector<double> spacings;
+  for (double gap : gaps) {
+    const double spacing = gap / std::max(1.0, std::round(gap / widest));
+    if (std::abs(spacing - widest) <= kTolerance * widest) spacings.push_back(spacing);
   }
-  return {spacing, explained >= 4 && 2 * explained > others};
+  const double spacing = median(spacings);
+  const std::size_t agree = explained(spacing);
+  return {spacing, agree >= 4 && 2 * agree > others};
 }
 
 PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
