@@ -153,15 +153,19 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
     double spacing_m;
     std::size_t explained;
   };
+  std::vector<double> tried;
+  for (double gap : gaps)
+    for (int parts = 1; parts <= 3; ++parts)
+      if (gap / parts >= min_m && gap / parts <= max_m) tried.push_back(gap / parts);
+  std::sort(tried.begin(), tried.end());
   std::vector<Candidate> candidates;
   std::size_t most = 0;
-  for (double gap : gaps)
-    for (int parts = 1; parts <= 3; ++parts) {
-      const double spacing = gap / parts;
-      if (spacing < min_m || spacing > max_m) continue;
-      candidates.push_back({spacing, explained(spacing)});
-      most = std::max(most, candidates.back().explained);
-    }
+  for (double spacing : tried) {
+    constexpr double kApart = 0.005;  // m; a large block has more gaps than spacings that differ
+    if (!candidates.empty() && spacing < candidates.back().spacing_m + kApart) continue;
+    candidates.push_back({spacing, explained(spacing)});
+    most = std::max(most, candidates.back().explained);
+  }
   if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
   // Half the spacing explains as much, and a little more by chance: of those that do nearly as well, the widest.
   const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
