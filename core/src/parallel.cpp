@@ -43,6 +43,22 @@ Result<void> parallel_for(std::size_t count, int threads, const std::function<Re
                           [](std::size_t) -> Result<void> { return {}; });
 }
 
+void parallel_each(std::size_t count, int threads, const std::function<void(std::size_t, int)>& task) {
+  std::mutex mutex;
+  std::exception_ptr thrown;
+  (void)parallel_for(count, threads, [&](std::size_t index, int worker) -> Result<void> {
+    try {
+      task(index, worker);
+      return {};
+    } catch (...) {
+      const std::scoped_lock lock(mutex);
+      if (!thrown) thrown = std::current_exception();
+      return fail(ErrorCode::internal, "internal error", "", "a task threw");  // stops the others
+    }
+  });
+  if (thrown) std::rethrow_exception(thrown);
+}
+
 Result<void> parallel_ordered(std::size_t count, int threads, std::size_t window,
                               const std::function<Result<void>(std::size_t, int)>& produce,
                               const std::function<Result<void>(std::size_t)>& consume) {

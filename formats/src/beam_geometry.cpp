@@ -9,7 +9,8 @@ namespace rayfield::formats {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::size_t kSamples = 4096;           // returns of a sweep that are looked at: about this many
+constexpr std::size_t kSamples = 1024;           // returns of a sweep that are looked at: about this many
+constexpr std::size_t kFirstSamples = 8192;      // while the rings are new
 constexpr std::size_t kBins = 128;               // of a sweep's duration
 constexpr int kLeastPerBin = 3;                  // returns that show where the head was
 constexpr std::uint64_t kLeastPerRing = 20;      // returns that show a ring's elevation
@@ -18,7 +19,7 @@ constexpr double kHeadResidual = 0.3 * kDegree;  // median misfit of azimuths un
 constexpr int kFirstPasses = 8;                  // between rings and head, while the rings are new
 constexpr std::uint16_t kMostRings = 1024;
 
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+double wrapped(double angle) { return angle - 2 * std::numbers::pi * std::nearbyint(angle / (2 * std::numbers::pi)); }
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -34,7 +35,7 @@ bool BeamGeometry::Ring::known() const {
 
 void BeamGeometry::learn_elevations(std::span<const Shot> returns) {
   // Steps of random length: equal ones would miss rings of a cloud that is stored column by column.
-  const std::size_t stride = std::max<std::size_t>(1, returns.size() / kSamples);
+  const std::size_t stride = std::max<std::size_t>(1, returns.size() / (rings_.empty() ? kFirstSamples : kSamples));
   std::minstd_rand random;
   samples_.clear();
   for (std::size_t i = 0; i < returns.size(); i += 1 + random() % (2 * stride - 1)) {
@@ -112,6 +113,7 @@ void BeamGeometry::learn(std::span<const Shot> returns) {
   double misfit = 0;
   for (int pass = 0; pass < (fresh ? kFirstPasses : 2); ++pass) misfit = follow_head();
   understood_ = misfit < kHeadResidual;
+  for (Ring& ring : rings_) ring.cosine = std::cos(ring.elevation), ring.sine = std::sin(ring.elevation);
 }
 
 std::optional<Eigen::Vector3f> BeamGeometry::direction(std::uint16_t ring, float time_s) const {
@@ -119,11 +121,9 @@ std::optional<Eigen::Vector3f> BeamGeometry::direction(std::uint16_t ring, float
   if (!(time_s >= first_s_) || !(time_s <= last_s_)) return std::nullopt;
   const Bin& bin = bins_[bin_of(time_s)];
   if (bin.count < kLeastPerBin) return std::nullopt;
-  const double elevation = rings_[ring].elevation;
-  const double azimuth = bin.head + rings_[ring].azimuth + rate_rad_s_ * static_cast<double>(time_s - first_s_);
-  return Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                         std::sin(elevation))
-      .cast<float>();
+  const Ring& r = rings_[ring];
+  const double azimuth = bin.head + r.azimuth + rate_rad_s_ * static_cast<double>(time_s - first_s_);
+  return Eigen::Vector3d(r.cosine * std::cos(azimuth), r.cosine * std::sin(azimuth), r.sine).cast<float>();
 }
 
 }  // namespace rayfield::formats

@@ -33,6 +33,7 @@ class BeamGeometry {
     std::uint64_t count = 0;
     double elevation = 0, squares = 0;  // mean and sum of squared deviations, rad
     double azimuth = 0;                 // against the head, rad
+    double cosine = 1, sine = 0;        // of the elevation
     bool known() const;
   };
   struct Sample {

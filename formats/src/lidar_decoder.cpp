@@ -109,7 +109,7 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
   if (intensity == nullptr) intensity = cloud->find("reflectivity");
   const PointFieldView* ring = cloud->find("ring");
   if (ring == nullptr) ring = cloud->find("channel");
-  RAYFIELD_ASSIGN(const PointTime time, PointTime::find(*cloud));
+  RAYFIELD_ASSIGN(const PointTime time, PointTime::find(*cloud, stamp_ns));
   has_pattern_ = false;
   scan_.time_s = seconds_from_ns(stamp_ns);
   scan_.direction.clear(), scan_.range_m.clear(), scan_.time_offset_s.clear(), scan_.intensity.clear();
@@ -119,7 +119,7 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
     const std::byte* point = cloud->data.data() + std::size_t{row} * cloud->row_step;
     for (std::uint32_t column = 0; column < cloud->width; ++column, point += cloud->point_step) {
       const Eigen::Vector3d p(point_value(point, *x), point_value(point, *y), point_value(point, *z));
-      const double offset_s = time.offset_s(point, stamp_ns);
+      const double offset_s = time.offset_s(point);
       const double range_m = p.norm();
       const bool placed = std::isfinite(range_m) && range_m > 0;
       const bool timed = std::abs(offset_s) <= kLongestSweep_s;

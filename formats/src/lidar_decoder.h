@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,22 +56,42 @@ class LidarDecoder {
   std::vector<Gap> gaps_;
 };
 
+/// Reads a field of any type as a double.
+inline double point_value(const std::byte* point, const PointFieldView& field) {
+  const std::byte* at = point + field.offset;
+  switch (field.type) {
+    case PointType::i8:
+      return static_cast<double>(load<std::int8_t>(at));
+    case PointType::u8:
+      return static_cast<double>(load<std::uint8_t>(at));
+    case PointType::i16:
+      return static_cast<double>(load<std::int16_t>(at));
+    case PointType::u16:
+      return static_cast<double>(load<std::uint16_t>(at));
+    case PointType::i32:
+      return static_cast<double>(load<std::int32_t>(at));
+    case PointType::u32:
+      return static_cast<double>(load<std::uint32_t>(at));
+    case PointType::f32:
+      return static_cast<double>(load<float>(at));
+    case PointType::f64:
+      return load<double>(at);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 /// Time of each point of a cloud relative to the stamp of its message.
 class PointTime {
  public:
   /// Finds the field that carries time per point (time, t, timestamp, offset_time and the like; docs/rosbag.md) and
   /// its unit. Errors: bad_input where the cloud has none.
-  static Result<PointTime> find(const PointCloud2View& cloud);
-  /// Seconds after `stamp_ns`.
-  double offset_s(const std::byte* point, std::int64_t stamp_ns) const;
+  static Result<PointTime> find(const PointCloud2View& cloud, std::int64_t stamp_ns);
+  /// Seconds after the stamp.
+  double offset_s(const std::byte* point) const { return (point_value(point, field_) - base_) * factor_ - rest_s_; }
 
  private:
-  enum class Unit { offset_s, offset_ns, absolute_s, absolute_us, absolute_ns };
   PointFieldView field_;
-  Unit unit_ = Unit::offset_s;
+  double base_ = 0, factor_ = 1, rest_s_ = 0;
 };
-
-/// Reads a field of any type as a double.
-double point_value(const std::byte* point, const PointFieldView& field);
 
 }  // namespace rayfield::formats

@@ -91,7 +91,7 @@ void LidarStatistics::add(const PointCloud2View& cloud) {
       if (!info_.fields.empty()) info_.fields += ' ';
       info_.fields += field.name;
     }
-    info_.has_point_time = PointTime::find(cloud).has_value();
+    info_.has_point_time = PointTime::find(cloud, 0).has_value();
   }
   const PointFieldView* x = cloud.find("x");
   const PointFieldView* y = cloud.find("y");

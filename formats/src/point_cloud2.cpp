@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "lidar_decoder.h"
@@ -82,30 +81,7 @@ std::optional<PointCloud2View> decode_point_cloud2(std::span<const std::byte> me
   return cloud;
 }
 
-double point_value(const std::byte* point, const PointFieldView& field) {
-  const std::byte* at = point + field.offset;
-  switch (field.type) {
-    case PointType::i8:
-      return static_cast<double>(load<std::int8_t>(at));
-    case PointType::u8:
-      return static_cast<double>(load<std::uint8_t>(at));
-    case PointType::i16:
-      return static_cast<double>(load<std::int16_t>(at));
-    case PointType::u16:
-      return static_cast<double>(load<std::uint16_t>(at));
-    case PointType::i32:
-      return static_cast<double>(load<std::int32_t>(at));
-    case PointType::u32:
-      return static_cast<double>(load<std::uint32_t>(at));
-    case PointType::f32:
-      return static_cast<double>(load<float>(at));
-    case PointType::f64:
-      return load<double>(at);
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-Result<PointTime> PointTime::find(const PointCloud2View& cloud) {
+Result<PointTime> PointTime::find(const PointCloud2View& cloud, std::int64_t stamp_ns) {
   PointTime time;
   const PointFieldView* field = nullptr;
   for (const std::string_view name : kTimeNames) {
@@ -123,47 +99,32 @@ Result<PointTime> PointTime::find(const PointCloud2View& cloud) {
   }
   time.field_ = *field;
   if (is_integer(field->type)) {
-    time.unit_ = Unit::offset_ns;
+    time.factor_ = 1e-9;
     return time;
   }
   // The size of the first usable value tells seconds of a sweep from seconds, microseconds or nanoseconds since 1970.
-  time.unit_ = Unit::offset_s;
+  // Whole seconds are subtracted first, which is exact, so that the small difference keeps its digits.
+  const double whole_s = static_cast<double>(stamp_ns / 1'000'000'000);
+  const auto since_1970 = [&](double per_second) {
+    time.base_ = whole_s * per_second, time.factor_ = 1 / per_second;
+    time.rest_s_ = static_cast<double>(stamp_ns % 1'000'000'000) * 1e-9;
+  };
   for (std::size_t i = 0; i < cloud.points(); ++i) {
     const std::size_t row = i / cloud.width, column = i % cloud.width;
     const std::byte* point = cloud.data.data() + row * cloud.row_step + column * cloud.point_step;
     const double value = point_value(point, *field);
     if (!std::isfinite(value) || value == 0.0) continue;
     if (value > 1e17)
-      time.unit_ = Unit::absolute_ns;
+      since_1970(1e9);
     else if (value > 1e14)
-      time.unit_ = Unit::absolute_us;
+      since_1970(1e6);
     else if (value > 1e8)
-      time.unit_ = Unit::absolute_s;
+      since_1970(1);
     else if (std::abs(value) > 1e3)
-      time.unit_ = Unit::offset_ns;
+      time.factor_ = 1e-9;
     break;
   }
   return time;
-}
-
-double PointTime::offset_s(const std::byte* point, std::int64_t stamp_ns) const {
-  const double value = point_value(point, field_);
-  const double whole_s = static_cast<double>(stamp_ns / 1'000'000'000);
-  const double rest_s = static_cast<double>(stamp_ns % 1'000'000'000) * 1e-9;
-  switch (unit_) {
-    case Unit::offset_s:
-      return value;
-    case Unit::offset_ns:
-      return value * 1e-9;
-    // Whole seconds are subtracted first, which is exact, so that the small difference keeps its digits.
-    case Unit::absolute_s:
-      return (value - whole_s) - rest_s;
-    case Unit::absolute_us:
-      return (value - whole_s * 1e6) * 1e-6 - rest_s;
-    case Unit::absolute_ns:
-      return (value - whole_s * 1e9) * 1e-9 - rest_s;
-  }
-  return value;
 }
 
 }  // namespace rayfield::formats

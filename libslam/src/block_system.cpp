@@ -65,12 +65,20 @@ void add_product(const std::vector<Where>& where, const std::vector<Matrix6d>& v
 
 }  // namespace
 
+LinearResidual<1> SplineResidual::linear() const {
+  LinearResidual<1> out;
+  out.error[0] = error;
+  for (int k = 0; k < 4; ++k) out.at(first + k) += row[k].transpose();
+  if (extra >= 0) out.at(extra) += extra_row.transpose();
+  return out;
+}
+
 BlockSystem::BlockSystem(int blocks, Storage storage)
     : blocks_(blocks), storage_(storage), gradient_(Eigen::VectorXd::Zero(6 * blocks)) {
   if (storage == Storage::dense)
     values_.assign(dense_index(0, blocks), Matrix6d::Zero());
   else
-    slots_.assign(1024, 0);
+    slots_.assign(1024, 0), band_.assign(static_cast<std::size_t>(kBand * blocks), 0);
 }
 
 void BlockSystem::clear() {
@@ -91,17 +99,20 @@ std::size_t BlockSystem::slot_of(int row, int column) const {
 void BlockSystem::grow_slots() {
   slots_.assign(slots_.size() * 2, 0);
   for (std::size_t k = 0; k < where_.size(); ++k)
-    slots_[slot_of(where_[k].first, where_[k].second)] = static_cast<std::uint32_t>(k + 1);
+    if (where_[k].second - where_[k].first >= kBand)
+      slots_[slot_of(where_[k].first, where_[k].second)] = static_cast<std::uint32_t>(k + 1);
 }
 
 Matrix6d& BlockSystem::at(int row, int column) {
   if (storage_ == Storage::dense) return values_[dense_index(row, column)];
-  const std::size_t slot = slot_of(row, column);
-  if (slots_[slot] != 0) return values_[slots_[slot] - 1];
+  const bool in_band = column - row < kBand;
+  std::uint32_t& number =
+      in_band ? band_[static_cast<std::size_t>(kBand * row + column - row)] : slots_[slot_of(row, column)];
+  if (number != 0) return values_[number - 1];
   values_.emplace_back(Matrix6d::Zero());
   where_.emplace_back(row, column);
-  slots_[slot] = static_cast<std::uint32_t>(values_.size());
-  if (2 * values_.size() > slots_.size()) grow_slots();
+  number = static_cast<std::uint32_t>(values_.size());
+  if (!in_band && 2 * values_.size() > slots_.size()) grow_slots();
   return values_.back();
 }
 
@@ -110,15 +121,35 @@ void BlockSystem::add_prior(int block, const Vector6d& offset, const Vector6d& i
   gradient_.segment<6>(6 * block) -= information.cwiseProduct(offset);
 }
 
-void BlockSystem::add_coupling(const LinearResidual<1>& a, const LinearResidual<1>& b, double weight) {
-  for (int i = 0; i < a.blocks; ++i)
-    for (int j = 0; j < b.blocks; ++j) {
-      const int row = a.block[i], column = b.block[j];
-      const Matrix6d m = weight * a.jacobian[i].transpose() * b.jacobian[j];
-      if (row < column) at(row, column) += m;
-      if (row > column) at(column, row) += m.transpose();
-      if (row == column) at(row, row) += m + m.transpose();
-    }
+void BlockSystem::add(const SplineResidual& r, double weight) {
+  if (r.extra >= 0) return add(r.linear(), weight);
+  for (int j = 0; j < 4; ++j) {
+    const Vector6d weighted = weight * r.row[j];
+    gradient_.segment<6>(6 * (r.first + j)) += r.error * weighted;
+    for (int i = 0; i <= j; ++i) at(r.first + i, r.first + j).noalias() += r.row[i] * weighted.transpose();
+  }
+}
+
+void BlockSystem::couple(int a, const Vector6d& row_a, int b, const Vector6d& row_b) {
+  if (a < b) {
+    at(a, b).noalias() += row_a * row_b.transpose();
+  } else {
+    Matrix6d& block = at(b, a);
+    block.noalias() += row_b * row_a.transpose();
+    if (a == b) block.noalias() += row_a * row_b.transpose();
+  }
+}
+
+void BlockSystem::add_coupling(const SplineResidual& a, const SplineResidual& b, double weight) {
+  for (int i = 0; i < 4; ++i) {
+    const Vector6d weighted = weight * a.row[i];
+    for (int j = 0; j < 4; ++j) couple(a.first + i, weighted, b.first + j, b.row[j]);
+    if (b.extra >= 0) couple(a.first + i, weighted, b.extra, b.extra_row);
+  }
+  if (a.extra < 0) return;
+  const Vector6d weighted = weight * a.extra_row;
+  for (int j = 0; j < 4; ++j) couple(a.extra, weighted, b.first + j, b.row[j]);
+  if (b.extra >= 0) couple(a.extra, weighted, b.extra, b.extra_row);
 }
 
 void BlockSystem::add(const BlockSystem& other) {

@@ -32,6 +32,18 @@ struct LinearResidual {
   }
 };
 
+/// A scalar residual that acts on the four neighbouring blocks first … first+3 of a spline, and perhaps on one block
+/// more.
+struct SplineResidual {
+  double error = 0;
+  int first = 0;
+  std::array<Vector6d, 4> row{};  ///< transposed Jacobians
+  int extra = -1;                 ///< a block outside the spline; -1: none
+  Vector6d extra_row = Vector6d::Zero();
+
+  LinearResidual<1> linear() const;
+};
+
 /// Normal equations H x = −g of a weighted least-squares problem with blocks of six unknowns, the upper triangle of H
 /// held by blocks. Small systems (the window) index blocks directly and factor densely; large ones (the global stage)
 /// keep only the blocks that occur and factor sparsely. Sums run in the order of the calls.
@@ -55,9 +67,11 @@ class BlockSystem {
     }
   }
 
+  void add(const SplineResidual& r, double weight);
+
   /// Adds only what ties the two sides of a residual with the Jacobian a + b: weight·(aᵀb + bᵀa). With both sides added
   /// as residuals of their own, to this or to another system, the sum is that of the residual.
-  void add_coupling(const LinearResidual<1>& a, const LinearResidual<1>& b, double weight);
+  void add_coupling(const SplineResidual& a, const SplineResidual& b, double weight);
 
   /// A prior x[block] ~ N(offset, diag(1/information)): adds its normal equations.
   void add_prior(int block, const Vector6d& offset, const Vector6d& information);
@@ -80,7 +94,8 @@ class BlockSystem {
   int blocks() const { return blocks_; }
 
  private:
-  Matrix6d& at(int row, int column);  // row ≤ column
+  Matrix6d& at(int row, int column);                                        // row ≤ column
+  void couple(int a, const Vector6d& row_a, int b, const Vector6d& row_b);  // adds aᵀb and bᵀa
   std::size_t dense_index(int row, int column) const {
     return static_cast<std::size_t>(column) * (static_cast<std::size_t>(column) + 1) / 2 +
            static_cast<std::size_t>(row);
@@ -95,8 +110,10 @@ class BlockSystem {
   Eigen::VectorXd gradient_;
   std::vector<Matrix6d> values_;
   std::vector<std::pair<int, int>> where_;  // sparse: row and column of values_[k]
-  // Sparse: open addressing from (row, column) to k + 1; 0 = free. The capacity is a power of two.
-  std::vector<std::uint32_t> slots_;
+  // Sparse: from (row, column) to k + 1; 0 = free. Blocks near the diagonal, which every residual of the chain touches,
+  // stand in a table, the others are found by open addressing in a power of two of slots.
+  static constexpr int kBand = 4;
+  std::vector<std::uint32_t> band_, slots_;
 };
 
 }  // namespace rayfield::slam

@@ -173,7 +173,7 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
                                       double slack_m, double gps_slack, GlobalStats& stats) {
   frame_.anchor = surfel_frame_.anchor = anchors_of(frame_.spline, odometry_.track);
   const int groups = (frame_.track->size() - 2) / kImuGroup;
-  std::vector<WindowStats> near_stats(kParts), revisit_stats(kParts);
+  std::vector<SurfelSums> near_sums(kParts), revisit_sums(kParts);
   std::vector<Eigen::Vector2d> squares(kParts, Eigen::Vector2d::Zero());
   const auto slice = [](auto all, std::size_t part) {
     const std::size_t begin = all.size() * part / kParts, end = all.size() * (part + 1) / kParts;
@@ -184,10 +184,10 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
     auto& [chain, coupling] = parts_[part];
     chain.clear(), coupling.clear();
     add_inertial(groups * p / n, groups * (p + 1) / n, chain, squares[part]);
-    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m,
-                     options_.match.last_cauchy, 0.0, chain, chain, near_stats[part]);
-    add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), options_.match.sigma_m,
-                     options_.match.last_cauchy, slack_m, chain, coupling, revisit_stats[part]);
+    near_sums[part] = add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m,
+                                       options_.match.last_cauchy, 0.0, chain, chain);
+    revisit_sums[part] = add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part),
+                                          options_.match.sigma_m, options_.match.last_cauchy, slack_m, chain, coupling);
     return {};
   }));
   sums_.chain.clear(), sums_.coupling.clear();
@@ -195,12 +195,12 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
   if (gps_slack > 0) add_gps(gps_slack, sums_.chain, stats);
   add_priors(gps_slack > 0, sums_.chain);
 
-  const auto rms = [](const std::vector<WindowStats>& s) {
-    double squares_sum = 0, count = 0;
-    for (const WindowStats& w : s) squares_sum += w.matches * w.surfel_rms_m * w.surfel_rms_m, count += w.matches;
-    return ResidualStats{static_cast<std::uint64_t>(count), count > 0 ? std::sqrt(squares_sum / count) : 0};
+  const auto together = [](const std::vector<SurfelSums>& parts) {
+    SurfelSums sum;
+    for (const SurfelSums& part : parts) sum.add(part);
+    return ResidualStats{sum.matches, sum.rms_m()};
   };
-  stats.near_surfels = rms(near_stats), stats.revisit_surfels = rms(revisit_stats);
+  stats.near_surfels = together(near_sums), stats.revisit_surfels = together(revisit_sums);
   Eigen::Vector2d total = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& s : squares) total += s;
   const std::uint64_t count = static_cast<std::uint64_t>(groups);

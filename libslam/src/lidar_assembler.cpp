@@ -71,15 +71,16 @@ bool LidarAssembler::angle_at(double time_s, double& angle, double& rate) {
 }
 
 void LidarAssembler::assemble(const LidarScan& scan, BodyScan& out) {
-  out = {};
+  out.clear();
   const std::size_t n = scan.range_m.size();
-  out.time_s.reserve(n), out.origin.reserve(n), out.direction.reserve(n), out.range_m.reserve(n);
   const bool spins = rig_.spinner.has_value();
   const Eigen::Vector3d axis = spins ? rig_.spinner->axis : Eigen::Vector3d::UnitZ();
   const Rigid3& imu_from_spinner = rig_.imu_from_spinner;
   const Eigen::Matrix3d spinner_from_lidar = rig_.spinner_from_lidar.rotation.toRotationMatrix();
   const Eigen::Matrix3d outer = imu_from_spinner.rotation.toRotationMatrix();
   const Eigen::Vector3d arm = rig_.spinner_from_lidar.translation;
+  Eigen::Matrix3d imu_from_lidar = outer * spinner_from_lidar;
+  Eigen::Vector3d origin = outer * arm + imu_from_spinner.translation;
   bool angle_missing = false;
   for (std::size_t k = 0; k < n; ++k) {
     ++counts_.points;
@@ -93,7 +94,6 @@ void LidarAssembler::assemble(const LidarScan& scan, BodyScan& out) {
       continue;
     }
     const double time = scan.time_s + static_cast<double>(scan.time_offset_s[k]) + lidar_offset_s_;
-    Eigen::Matrix3d imu_from_turned = outer;
     double rate = 0;
     if (spins) {
       double angle = 0;
@@ -101,12 +101,15 @@ void LidarAssembler::assemble(const LidarScan& scan, BodyScan& out) {
         angle_missing = true;
         continue;
       }
-      imu_from_turned = outer * Eigen::AngleAxisd(angle + angle_offset_rad_, axis).toRotationMatrix();
+      const Eigen::Matrix3d imu_from_turned =
+          outer * Eigen::AngleAxisd(angle + angle_offset_rad_, axis).toRotationMatrix();
+      imu_from_lidar = imu_from_turned * spinner_from_lidar;
+      origin = imu_from_turned * arm + imu_from_spinner.translation;
     }
     if (std::isfinite(range)) ++counts_.hits;
     out.time_s.push_back(time);
-    out.origin.push_back(imu_from_turned * arm + imu_from_spinner.translation);
-    out.direction.push_back(imu_from_turned * (spinner_from_lidar * d.cast<double>()));
+    out.origin.push_back(origin);
+    out.direction.push_back(imu_from_lidar * d.cast<double>());
     out.range_m.push_back(range);
     out.intensity.push_back(scan.intensity.empty() ? 0.0f : scan.intensity[k]);
     out.spin_rate_rad_s.push_back(static_cast<float>(rate));

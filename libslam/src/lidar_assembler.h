@@ -20,6 +20,10 @@ struct BodyScan {
   std::vector<float> range_m;              ///< as in LidarScan, after the rig's limits: finite = hit, +inf = none
   std::vector<float> intensity;
   std::vector<float> spin_rate_rad_s;
+
+  void clear() {
+    time_s.clear(), origin.clear(), direction.clear(), range_m.clear(), intensity.clear(), spin_rate_rad_s.clear();
+  }
 };
 
 /// What was left out, for the report.

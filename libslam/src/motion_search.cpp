@@ -67,10 +67,7 @@ std::size_t agreement(std::span<const TimedPoint> points, const QuadraticMotion&
 std::size_t best_of(std::size_t count, const std::function<QuadraticMotion(std::size_t)>& candidate,
                     std::span<const TimedPoint> points, float cell_m, int threads) {
   std::vector<std::size_t> score(count, 0);
-  (void)parallel_for(count, threads, [&](std::size_t k, int) -> Result<void> {
-    score[k] = agreement(points, candidate(k), cell_m);
-    return {};
-  });
+  parallel_each(count, threads, [&](std::size_t k, int) { score[k] = agreement(points, candidate(k), cell_m); });
   return static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
 }
 

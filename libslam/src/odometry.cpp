@@ -79,7 +79,8 @@ void Odometry::extract_to(double time_s) {
     }
     out_.points_used += points.size();
     bin_begin_.push_back(out_.surfels.size());
-    const std::vector<Surfel> found = extract_surfels(points, out_.track, options_.surfels);
+    const std::vector<Surfel> found =
+        extract_surfels(points, out_.track, options_.surfels, thread_count(options_.threads));
     out_.surfels.insert(out_.surfels.end(), found.begin(), found.end());
     pending_.erase(pending_.begin());
     ++extracted_bins_;

@@ -29,12 +29,7 @@ struct PoseTrack {
   Rigid3 pose(double time_s) const {
     const int k = floor_index(time_s);
     const double f = time_s / step_s - k;
-    // The angle between neighbouring grid poses is far below 1 rad: normalised interpolation errs by angle³/64.
-    Eigen::Quaterniond b = rotation[k + 1];
-    if (rotation[k].dot(b) < 0) b.coeffs() = -b.coeffs();
-    Eigen::Quaterniond q;
-    q.coeffs() = (1 - f) * rotation[k].coeffs() + f * b.coeffs();
-    return {q.normalized(), (1 - f) * position[k] + f * position[k + 1]};
+    return {between(rotation[k], rotation[k + 1], f), (1 - f) * position[k] + f * position[k + 1]};
   }
 
   /// Velocity in the world, m/s.

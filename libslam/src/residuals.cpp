@@ -23,22 +23,23 @@ SurfelPair pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b, 
 // s_b − s_a across n. The extra unknowns act as
 //   ds/d(lidar offset) = v + ω × r·c + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
 void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const SurfelPair& pair,
-                     double sign, LinearResidual<1>& out) {
+                     double sign, SplineResidual& out) {
   const Eigen::Vector3d& n = pair.normal;
   const Eigen::Vector3d arm = pose.rotation * s.center.cast<double>(), place = pose.translation + arm;
   const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
   const Eigen::Vector3d tilt = (pose.rotation * s.normal.cast<double>()).cross(across) / pair.normals_length;
   const SplineWeights w = frame.spline.weights(s.time_s);
-  for (int j = 0; j < 4; ++j) {
-    Vector6d d;
-    d << sign * n, sign * (place - frame.anchor[w.first + j]).cross(n) + tilt;
-    out.at(frame.first_knot_block + w.first + j) += w.value[j] * d.transpose();
+  out.first = frame.first_knot_block + w.first;
+  for (std::size_t j = 0; j < 4; ++j) {
+    out.row[j] << sign * n, sign * (place - frame.anchor[w.first + j]).cross(n) + tilt;
+    out.row[j] *= w.value[j];
   }
   if (frame.extra_block < 0) return;
   const Eigen::Vector3d spin = pose.rotation * frame.spin_axis.cross(s.center.cast<double>() - frame.spin_origin);
   const Eigen::Vector3d turn = frame.track->angular_velocity(s.time_s);
   const double spinner = sign * n.dot(spin) + tilt.dot(pose.rotation * frame.spin_axis);
-  auto& extra = out.at(frame.extra_block);
+  out.extra = frame.extra_block;
+  Vector6d& extra = out.extra_row;
   extra[kLidarOffset] += sign * n.dot(frame.track->velocity(s.time_s) + turn.cross(arm)) + tilt.dot(turn) +
                          static_cast<double>(s.spin_rate_rad_s) * spinner;
   extra[kSpinnerOffset] += spinner;
@@ -73,7 +74,8 @@ SurfelResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, cons
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
   const SurfelPair pair = pair_of(pose_a, a, pose_b, b);
   SurfelResidual out;
-  out.first.error[0] = out.second.error[0] = pair.between.dot(pair.normal);
+  out.first.error = out.second.error = pair.between.dot(pair.normal);
+  out.normal = pair.normal;
   add_surfel_side(frame, a, pose_a, pair, -1, out.first);
   add_surfel_side(frame, b, pose_b, pair, 1, out.second);
   return out;

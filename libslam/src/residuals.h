@@ -49,8 +49,9 @@ struct InertialState {
 /// surfels alike leaves e as it is, so that nothing but GPS turns the map.
 /// The Jacobian is first + second: what each surfel's pose does to e. Both hold e.
 struct SurfelResidual {
-  LinearResidual<1> first, second;
-  double error() const { return first.error[0]; }
+  SplineResidual first, second;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< n
+  double error() const { return first.error; }
 };
 /// e alone, m.
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b);

@@ -10,6 +10,8 @@
 #include "georeference.h"
 #include "global.h"
 #include "judge.h"
+#include "rayfield/core/parallel.h"
+#include "read_ahead.h"
 
 namespace rayfield::slam {
 namespace {
@@ -84,7 +86,7 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
   // a: the windowed stage runs while the log is read.
   progress.stage("windowed registration", 0, "scans");
   DriveInput input(rig, options, progress);
-  RAYFIELD_CHECK(read(input));
+  RAYFIELD_CHECK(read_ahead(read, input, thread_count(options.threads)));
   RAYFIELD_ASSIGN(Drive drive, input.finish());
   const double window_seconds = clock.lap();
 

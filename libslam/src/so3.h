@@ -37,6 +37,16 @@ inline Eigen::Vector3d log_so3(const Eigen::Quaterniond& q) {
   return sign * 2 * std::atan2(sine, sign * q.w()) / sine * q.vec();
 }
 
+/// From `a` (f = 0) to `b` (f = 1) along the geodesic. Where they are closer than 1.6° the chord is as good: it errs by
+/// angle³/64 at most, 4e-7 rad.
+inline Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double f) {
+  const double cosine = a.dot(b);
+  if (std::abs(cosine) < 0.9999) return a.slerp(f, b);
+  Eigen::Quaterniond q;
+  q.coeffs() = (1 - f) * a.coeffs() + (cosine < 0 ? -f : f) * b.coeffs();
+  return q.normalized();
+}
+
 /// Inverse right Jacobian of SO(3): log(exp(phi)·exp(x)) = phi + right_jacobian_inverse(phi)·x + O(x²).
 /// Solà, Deray, Atchuthan: A micro Lie theory for state estimation in robotics, eq. 144.
 inline Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi) {

@@ -2,7 +2,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
 namespace {
@@ -13,7 +16,7 @@ struct Cell {
   int x = 0, y = 0, z = 0;
   int count = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  // upper triangle
+  std::array<double, 6> products{};  // xx, xy, xz, yy, yz, zz
   double time_sum = 0, spin_sum = 0;
 };
 
@@ -70,7 +73,9 @@ bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track
   if (cell.count < options.min_points) return false;
   const double n = cell.count;
   const Eigen::Vector3d mean = cell.sum / n;
-  Eigen::Matrix3d covariance = cell.products.selfadjointView<Eigen::Upper>();
+  const auto& q = cell.products;
+  Eigen::Matrix3d covariance;
+  covariance << q[0], q[1], q[2], q[1], q[3], q[4], q[2], q[4], q[5];
   covariance = covariance / n - mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
   eigen.computeDirect(covariance);
@@ -94,55 +99,65 @@ bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track
   return true;
 }
 
-void extract_level(std::span<const Eigen::Vector3d> world, std::span<const BodyPoint> points,
-                   const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
-                   std::size_t level, std::vector<Surfel>& out) {
-  const double size = options.voxel_size_m[level];
-  std::vector<std::pair<std::uint64_t, Surfel>> found;
-  for (int stagger = 0; stagger < 2; ++stagger) {
-    const double shift = 0.5 * stagger;
-    CellMap map(points.size() / 8);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Eigen::Vector3d c = world[k] / size;
-      Cell& cell = map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
-                          static_cast<int>(std::floor(c.z() + shift)));
-      const Eigen::Vector3d p = world[k] - origin;
-      cell.count++;
-      cell.sum += p;
-      cell.products.triangularView<Eigen::Upper>() += p * p.transpose();
-      cell.time_sum += points[k].time_s;
-      cell.spin_sum += static_cast<double>(points[k].spin_rate_rad_s);
-    }
-    for (const Cell& cell : map.cells()) {
-      Surfel s;
-      double tilt = 0;
-      if (!fit(cell, origin, track, options, level, s, tilt)) continue;
-      // Ground is plentiful and holds height, roll and pitch only: when there is too much, upright surfaces stay.
-      const std::uint64_t rank = (tilt > kUpright ? std::uint64_t{0} : std::uint64_t{1} << 63) |
-                                 (cell_hash(cell.x, cell.y, 2 * cell.z + stagger) >> 1);
-      found.emplace_back(rank, s);
-    }
+// A surfel with its rank: where a bin has too many, the lowest stay.
+using Ranked = std::pair<std::uint64_t, Surfel>;
+
+// Surfels of one voxel size from one of the two staggered grids.
+std::vector<Ranked> extract_grid(std::span<const Eigen::Vector3d> world, std::span<const BodyPoint> points,
+                                 const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
+                                 std::size_t level, int stagger) {
+  const double inverse_size = 1 / options.voxel_size_m[level], shift = 0.5 * stagger;
+  std::vector<Ranked> found;
+  CellMap map(points.size() / 8);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector3d c = world[k] * inverse_size;
+    Cell& cell = map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
+                        static_cast<int>(std::floor(c.z() + shift)));
+    const Eigen::Vector3d p = world[k] - origin;
+    cell.count++;
+    cell.sum += p;
+    std::size_t product = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) cell.products[product++] += p[i] * p[j];
+    cell.time_sum += points[k].time_s;
+    cell.spin_sum += static_cast<double>(points[k].spin_rate_rad_s);
   }
-  const std::size_t keep = static_cast<std::size_t>(options.max_surfels_per_bin);
-  if (found.size() > keep) {  // a fixed pseudo-random choice, even over space
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    found.resize(keep);
+  for (const Cell& cell : map.cells()) {
+    Surfel s;
+    double tilt = 0;
+    if (!fit(cell, origin, track, options, level, s, tilt)) continue;
+    // Ground is plentiful and holds height, roll and pitch only: when there is too much, upright surfaces stay.
+    const std::uint64_t rank = (tilt > kUpright ? std::uint64_t{0} : std::uint64_t{1} << 63) |
+                               (cell_hash(cell.x, cell.y, 2 * cell.z + stagger) >> 1);
+    found.emplace_back(rank, s);
   }
-  for (const auto& [hash, surfel] : found) out.push_back(surfel);
+  return found;
 }
 
 }  // namespace
 
 std::vector<Surfel> extract_surfels(std::span<const BodyPoint> points, const PoseTrack& track,
-                                    const SurfelOptions& options) {
+                                    const SurfelOptions& options, int threads) {
   std::vector<Surfel> out;
   if (points.empty()) return out;
   std::vector<Eigen::Vector3d> world(points.size());
   for (std::size_t k = 0; k < points.size(); ++k)
     world[k] = track.pose(points[k].time_s) * points[k].position.cast<double>();
   const Eigen::Vector3d origin = track.pose(points.front().time_s).translation;
-  for (std::size_t level = 0; level < options.voxel_size_m.size(); ++level)
-    extract_level(world, points, origin, track, options, level, out);
+  const std::size_t levels = options.voxel_size_m.size(), keep = static_cast<std::size_t>(options.max_surfels_per_bin);
+  std::vector<std::vector<Ranked>> found(2 * levels);
+  parallel_each(2 * levels, threads, [&](std::size_t k, int) {
+    found[k] = extract_grid(world, points, origin, track, options, k / 2, static_cast<int>(k % 2));
+  });
+  for (std::size_t level = 0; level < levels; ++level) {
+    std::vector<Ranked>& both = found[2 * level];
+    both.insert(both.end(), found[2 * level + 1].begin(), found[2 * level + 1].end());
+    if (both.size() > keep) {  // a fixed pseudo-random choice, even over space
+      std::stable_sort(both.begin(), both.end(), [](const Ranked& a, const Ranked& b) { return a.first < b.first; });
+      both.resize(keep);
+    }
+    for (const auto& [rank, surfel] : both) out.push_back(surfel);
+  }
   std::stable_sort(out.begin(), out.end(), [](const Surfel& a, const Surfel& b) { return a.time_s < b.time_s; });
   return out;
 }

@@ -33,6 +33,6 @@ struct Surfel {
 /// Surfels of the points of one time bin, in a fixed order. Points are brought together with `track`, which must cover
 /// their times. At most options.max_surfels_per_bin of each level are kept, spread evenly over the bin's voxels.
 std::vector<Surfel> extract_surfels(std::span<const BodyPoint> points, const PoseTrack& track,
-                                    const SurfelOptions& options);
+                                    const SurfelOptions& options, int threads = 1);
 
 }  // namespace rayfield::slam

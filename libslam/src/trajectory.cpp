@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rayfield/core/map_frame.h"
+#include "so3.h"
 
 namespace rayfield::slam {
 
@@ -23,7 +24,7 @@ bool Trajectory::at(double time_s, Rigid3& map_from_imu, std::size_t& cursor, do
   const double gap = b.time_s - a.time_s;
   if (gap > max_gap_s) return false;
   const double f = (time_s - a.time_s) / gap;
-  map_from_imu.rotation = a.map_from_body.rotation.slerp(f, b.map_from_body.rotation);
+  map_from_imu.rotation = between(a.map_from_body.rotation, b.map_from_body.rotation, f);
   map_from_imu.translation = (1 - f) * a.map_from_body.translation + f * b.map_from_body.translation;
   return true;
 }

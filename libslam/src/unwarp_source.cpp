@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "rayfield/slam/unwarp.h"
+#include "read_ahead.h"
 
 namespace rayfield::slam {
 namespace {
@@ -76,7 +77,7 @@ class UnwarpSource : public RaySource {
     UnwarpCounts counts;
     try {
       Unwarper unwarper(rig_, *trajectory_, offsets_, [this](const RayBatch& batch) { return push(batch); });
-      result = read_(unwarper);
+      result = read_ahead(read_, unwarper, 2);
       const Result<void> finished = unwarper.finish();
       if (result && !finished) result = finished;
       counts = unwarper.counts();

@@ -3,12 +3,17 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
+
+#include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 5;     // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
+constexpr int kImuGroup = 5;  // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
+constexpr std::size_t kParts = 2;
 constexpr double kFixed = 1e14;  // information that holds an unknown
 // Surfels of overlapping voxels and resolutions share points: a match counts as this many independent ones.
 constexpr double kSurfelIndependence = 0.2;
@@ -36,6 +41,15 @@ ImuSums add_imu_terms(const ResidualFrame& frame, const ImuGrid& imu, const Iner
     ++sums.count;
   }
   return sums;
+}
+
+void describe(const SurfelSums& sums, WindowStats& stats) {
+  stats.matches = static_cast<int>(sums.matches);
+  stats.inlier_fraction = sums.matches == 0 ? 0 : static_cast<double>(sums.inliers) / static_cast<double>(sums.matches);
+  stats.surfel_rms_m = sums.rms_m();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sums.information);
+  stats.weakest_sigma_m = 1 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-12));
+  stats.weakest_direction = eigen.eigenvectors().col(0);
 }
 
 // Joins the window to what lies before it, or fixes the gauge of the first one.
@@ -94,15 +108,20 @@ void set_spinner(const Rig& rig, ResidualFrame& frame) {
   frame.spin_origin = rig.imu_from_spinner.translation;
 }
 
-void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
-                      double sigma_m, double cauchy, double slack_m, BlockSystem& system, BlockSystem& coupling,
-                      WindowStats& stats) {
-  double weight_sum = 0, square_sum = 0;
-  int inliers = 0;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+void SurfelSums::add(const SurfelSums& other) {
+  matches += other.matches, inliers += other.inliers;
+  weights += other.weights, squares += other.squares;
+  information += other.information;
+}
+
+SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
+                            std::span<const SurfelMatch> matches, double sigma_m, double cauchy, double slack_m,
+                            BlockSystem& system, BlockSystem& coupling) {
+  SurfelSums sums;
+  sums.matches = matches.size();
   for (const SurfelMatch& m : matches) {
     const Surfel &a = surfels[m.first], &b = surfels[m.second];
-    const auto r = surfel_residual(frame, a, b);
+    const SurfelResidual r = surfel_residual(frame, a, b);
     const double variance = sigma_m * sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
     const double square = r.error() * r.error();
     const double scale2 = cauchy * cauchy * variance + slack_m * slack_m;
@@ -110,17 +129,11 @@ void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfel
     system.add(r.first, weight);
     system.add(r.second, weight);
     coupling.add_coupling(r.first, r.second, weight);
-    weight_sum += weight, square_sum += weight * square;
-    inliers += square < 9 * variance;
-    const Eigen::Vector3d n = frame.track->pose(a.time_s).rotation * a.normal.cast<double>();
-    information += weight * n * n.transpose();
+    sums.weights += weight, sums.squares += weight * square;
+    sums.inliers += square < 9 * variance;
+    sums.information += weight * r.normal * r.normal.transpose();
   }
-  stats.matches = static_cast<int>(matches.size());
-  stats.inlier_fraction = matches.empty() ? 0 : static_cast<double>(inliers) / static_cast<double>(matches.size());
-  stats.surfel_rms_m = weight_sum > 0 ? std::sqrt(square_sum / weight_sum) : 0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-  stats.weakest_sigma_m = 1 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-12));
-  stats.weakest_direction = eigen.eigenvectors().col(0);
+  return sums;
 }
 
 void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track) {
@@ -150,27 +163,39 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
   const int bias_block = frame.spline.knots(), extra_block = bias_block + 1;
   frame.extra_block = extra_block;
   BlockSystem system(extra_block + 1, BlockSystem::Storage::dense);
+  std::vector<BlockSystem> parts(kParts, system);
 
   WindowStats stats;
   stats.start_s = frame.spline.start_s, stats.end_s = stats.start_s + length;
   stats.surfels = static_cast<int>(surfels.size());
   const InertialState before = state;
+  const int threads = thread_count(options.threads);
   const int iterations = prior.first ? options.window.first_iterations : options.window.max_iterations;
   for (int it = 0; it < iterations; ++it) {
     // Later windows start from a trajectory that is right but for the newest second: they anneal over the second half.
     const double f =
         prior.first ? it / std::max(1.0, iterations - 5.0) : 0.5 + 0.5 * it / std::max(1.0, iterations - 2.0);
-    const auto placed = place_surfels(surfels, track, track.position[first_sample], 1);
+    const auto placed = place_surfels(surfels, track, track.position[first_sample], threads);
     MatchQuery query;
     query.radius_voxels = mix_log(options.match.first_radius_voxels, options.match.last_radius_voxels, f);
     query.normal_scale_m = options.match.normal_scale_m;
     query.min_gap_s = options.match.min_time_gap_s;
-    const auto matches = mutual_matches(placed, options.surfels.voxel_size_m, query, 1);
+    const auto matches = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
     const double cauchy = mix_log(options.match.first_cauchy, options.match.last_cauchy, f);
 
     system.clear();
     frame.anchor = anchors_of(frame.spline, track);
-    add_surfel_terms(frame, surfels, matches, options.match.sigma_m, cauchy, 0.0, system, system, stats);
+    // A fixed number of partial sums: threads must not change the result.
+    std::array<SurfelSums, kParts> sums_of;
+    parallel_each(kParts, threads, [&](std::size_t part, int) {
+      const std::size_t begin = matches.size() * part / kParts, end = matches.size() * (part + 1) / kParts;
+      parts[part].clear();
+      sums_of[part] = add_surfel_terms(frame, surfels, std::span(matches).subspan(begin, end - begin),
+                                       options.match.sigma_m, cauchy, 0.0, parts[part], parts[part]);
+    });
+    SurfelSums surfel_sums;
+    for (std::size_t part = 0; part < kParts; ++part) system.add(parts[part]), surfel_sums.add(sums_of[part]);
+    describe(surfel_sums, stats);
     const ImuSums sums = add_imu_terms(frame, imu, noise, state, bias_block, first_sample, last_sample, system);
     stats.gyro_rms = std::sqrt(sums.gyro / std::max(1, sums.count)) * noise.gyro_scale;
     stats.accel_rms = std::sqrt(sums.accel / std::max(1, sums.count)) * noise.accel_scale;

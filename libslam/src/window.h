@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 
 #include "imu_grid.h"
@@ -45,14 +46,23 @@ struct WindowStats {
   Matrix8d covariance = Matrix8d::Zero();  ///< of biases and gravity, after the window
 };
 
-/// Adds the robustly weighted surfel residuals of `matches` to `system`, and fills the surfel part of `stats`.
+/// What the surfel residuals of one iteration say together.
+struct SurfelSums {
+  std::size_t matches = 0, inliers = 0;                   ///< inliers: within three standard deviations
+  double weights = 0, squares = 0;                        ///< of the robust weights, of weighted squared offsets (m²)
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< on a translation of one side against the other, 1/m²
+  double rms_m() const { return weights > 0 ? std::sqrt(squares / weights) : 0; }
+  void add(const SurfelSums& other);
+};
+
+/// Adds the robustly weighted surfel residuals of `matches` to `system`.
 /// What ties the two surfels of a match goes to `coupling`, which may be `system` itself.
 /// `sigma_m` is the standard deviation of an offset apart from the surfels' own thickness. Offsets may be off by
 /// `slack_m` besides: the weight is 1/(variance + slack²), and Cauchy's scale is √(cauchy²·variance + slack²). So whole
 /// lanes move that are further apart than their surfels are thick, and wrong matches do not outvote the IMU meanwhile.
-void add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels, std::span<const SurfelMatch> matches,
-                      double sigma_m, double cauchy, double slack_m, BlockSystem& system, BlockSystem& coupling,
-                      WindowStats& stats);
+SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
+                            std::span<const SurfelMatch> matches, double sigma_m, double cauchy, double slack_m,
+                            BlockSystem& system, BlockSystem& coupling);
 
 /// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`.
 /// method: 2a; re-associates and re-weights at every iteration. Errors: bad_input where the system is singular.

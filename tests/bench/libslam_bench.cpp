@@ -93,7 +93,7 @@ struct Window {
   std::vector<Surfel> surfels;
   std::vector<Eigen::Vector3d> gyro, accel;
   InertialState state;
-  std::vector<LinearResidual<1>> matches;
+  std::vector<SurfelResidual> sides;
   std::vector<LinearResidual<3>> inertial;
 
   Window() {
@@ -119,11 +119,10 @@ struct Window {
     linearise();
   }
   void linearise() {
-    matches.clear(), inertial.clear();
+    sides.clear(), inertial.clear();
     for (std::size_t k = 0; k < 2000; ++k) {
       const SurfelResidual r = surfel_residual(frame, surfels[k], surfels[k + 2000]);
-      matches.push_back(r.first);
-      for (int j = 0; j < r.second.blocks; ++j) matches.back().at(r.second.block[j]) += r.second.jacobian[j];
+      sides.push_back(r);
     }
     const BiasWeights bias{{frame.spline.knots(), frame.spline.knots()}, {1, 0}};
     for (int k = 1; k + 5 < 500; k += 5) {
@@ -138,7 +137,8 @@ void one_step_dense(benchmark::State& state) {
   for (auto _ : state) {
     w.linearise();
     BlockSystem system(w.frame.extra_block + 1, BlockSystem::Storage::dense);
-    for (const auto& r : w.matches) system.add(r, 1e3);
+    for (const SurfelResidual& r : w.sides)
+      system.add(r.first, 1e3), system.add(r.second, 1e3), system.add_coupling(r.first, r.second, 1e3);
     for (const auto& r : w.inertial) system.add(r, 1e3);
     for (int b = 0; b <= w.frame.extra_block; ++b) system.add_prior(b, Vector6d::Zero(), Vector6d::Constant(1));
     benchmark::DoNotOptimize(system.solve());
@@ -183,7 +183,13 @@ void one_step_ceres(benchmark::State& state) {
       for (int k = 0; k < r.blocks; ++k) blocks.push_back(x[static_cast<std::size_t>(r.block[k])].data());
       problem.AddResidualBlock(new Linear<rows>(r, std::sqrt(1e3)), nullptr, blocks);
     };
-    for (const auto& r : w.matches) add(r);
+    std::vector<LinearResidual<1>> matches;  // as Ceres wants them: both sides in one
+    for (const SurfelResidual& s : w.sides) {
+      matches.push_back(s.first.linear());
+      const LinearResidual<1> second = s.second.linear();
+      for (int k = 0; k < second.blocks; ++k) matches.back().at(second.block[k]) += second.jacobian[k];
+    }
+    for (const auto& r : matches) add(r);
     for (const auto& r : w.inertial) add(r);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <new>
 #include <stdexcept>
@@ -41,6 +42,18 @@ TEST(ParallelFor, CallsLackOfMemoryAResourceProblem) {
   const Result<void> result = parallel_for(1, 1, [](std::size_t, int) -> Result<void> { throw std::bad_alloc(); });
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resources);
+}
+
+TEST(ParallelEach, ThrowsWhatATaskThrows) {
+  std::vector<int> done(200, 0);
+  parallel_each(done.size(), 3, [&](std::size_t k, int) { done[k] = 1; });
+  EXPECT_EQ(std::count(done.begin(), done.end(), 1), 200);
+  for (const int threads : {1, 3})
+    EXPECT_THROW(parallel_each(50, threads,
+                               [](std::size_t k, int) {
+                                 if (k == 20) throw std::bad_alloc();
+                               }),
+                 std::bad_alloc);
 }
 
 TEST(ParallelOrdered, ConsumesInOrderAndKeepsWithinItsWindow) {

@@ -194,7 +194,7 @@ TEST(SurfelResidual, HasTheDerivativeThatDifferencesGive) {
     const Placed pa = place(s, a, x), pb = place(s, b, x);
     return Eigen::Matrix<double, 1, 1>((pb.center - pa.center).dot((pa.normal + pb.normal).normalized()));
   };
-  const Eigen::MatrixXd both = dense(r.first, s.blocks) + dense(r.second, s.blocks);
+  const Eigen::MatrixXd both = dense(r.first.linear(), s.blocks) + dense(r.second.linear(), s.blocks);
   EXPECT_NEAR(r.error(), f(Eigen::VectorXd::Zero(6 * s.blocks))[0], 1e-9);
   EXPECT_LT((both - numeric(f, 1, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-6);
 }
@@ -204,7 +204,7 @@ TEST(SurfelResidual, DoesNotChangeWhenTheWholeDriveIsTurned) {
   const Surfel a = surfel_at(0.33, {2, 1, -1}, {-1, -0.3f, 0.2f}),
                b = surfel_at(1.47, {1.5f, -0.5f, -1.2f}, {-1, 0.2f, 0.1f});
   const auto r = surfel_residual(s.frame, a, b);
-  const Eigen::MatrixXd both = dense(r.first, s.blocks) + dense(r.second, s.blocks);
+  const Eigen::MatrixXd both = dense(r.first.linear(), s.blocks) + dense(r.second.linear(), s.blocks);
   const Eigen::Vector3d turn(0.3, -0.2, 0.5), about(4, 5, 6);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(6 * s.blocks);
   for (int j = 0; j < s.frame.spline.knots(); ++j)
@@ -254,30 +254,34 @@ TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {
 
 TEST(BlockSystem, SolvesIterativelyWhatItSolvesDirectly) {
   // A chain of blocks, each tied to the next, and ties across it like those of revisits.
-  const int blocks = 60;
+  const int blocks = 64, extra = blocks - 1;
   BlockSystem whole(blocks, BlockSystem::Storage::sparse), chain = whole, coupling = whole;
-  const auto side = [](int block, unsigned seed, double error) {
-    LinearResidual<1> r;
-    r.error[0] = error;
-    r.at(block) = small_random(6, seed, 1).transpose();
+  const auto side = [](int first, unsigned seed, double error, int more) {
+    SplineResidual r;
+    r.error = error, r.first = first, r.extra = more;
+    for (unsigned k = 0; k < 4; ++k) r.row[k] = small_random(6, seed + k, 1);
+    if (more >= 0) r.extra_row = small_random(6, seed + 4, 1);
     return r;
   };
   for (int b = 0; b < blocks; ++b) {
     const Vector6d offset = small_random(6, 10 + static_cast<unsigned>(b), 1);
     for (BlockSystem* s : {&whole, &chain}) s->add_prior(b, offset, Vector6d::Constant(1e-2));
     for (unsigned k = 0; k < 12 && b + 1 < blocks; ++k) {
-      LinearResidual<1> r = side(b, 1000 * k + static_cast<unsigned>(b), 0.3);
+      LinearResidual<1> r;
+      r.error[0] = 0.3;
+      r.at(b) = small_random(6, 1000 * k + static_cast<unsigned>(b), 1).transpose();
       r.at(b + 1) = small_random(6, 5000 * k + static_cast<unsigned>(b), 1).transpose();
       for (BlockSystem* s : {&whole, &chain}) s->add(r, 10);
     }
   }
   for (int k = 0; k < 200; ++k) {
-    const int i = (7 * k) % blocks, j = (11 * k + 29) % blocks;  // j may equal i
+    const int i = (7 * k) % 60, j = (11 * k + 29) % 60;  // in any order; they may overlap
     const double error = 0.01 * k;
-    const auto a = side(i, 90000 + static_cast<unsigned>(k), error);
-    const auto b = side(j, 95000 + static_cast<unsigned>(k), error);
-    LinearResidual<1> r = a;
-    r.at(j) += b.jacobian[0];
+    const auto a = side(i, 90000 + 10 * static_cast<unsigned>(k), error, k % 2 == 0 ? extra : -1);
+    const auto b = side(j, 95000 + 10 * static_cast<unsigned>(k), error, k % 3 == 0 ? extra : -1);
+    LinearResidual<1> r = a.linear();
+    const LinearResidual<1> other = b.linear();
+    for (int n = 0; n < other.blocks; ++n) r.at(other.block[n]) += other.jacobian[n];
     whole.add(r, 2);
     chain.add(a, 2), chain.add(b, 2), coupling.add_coupling(a, b, 2);
   }

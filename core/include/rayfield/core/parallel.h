@@ -17,6 +17,9 @@ int thread_count(int requested);
 Result<void> parallel_for(std::size_t count, int threads,
                           const std::function<Result<void>(std::size_t index, int worker)>& task);
 
+/// The same for tasks that have no errors of their own. Throws what a task throws.
+void parallel_each(std::size_t count, int threads, const std::function<void(std::size_t index, int worker)>& task);
+
 /// Ordered reduction: produce(i, worker) runs in parallel, consume(i) is called for i = 0, 1, 2 … in that order, one
 /// at a time, each after its produce(i). At most `window` items are produced ahead of the consumer, which bounds
 /// memory. Whatever consume() adds up is therefore the same at any thread count.
