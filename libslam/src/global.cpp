@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "global_terms.h"
+#include "visits.h"
 
 namespace rayfield::slam {
 namespace {
@@ -74,30 +74,6 @@ void find_matches(const OdometryResult& odometry, const Step& step, const SlamOp
   out.revisits = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
 }
 
-// The robust spread of a flat surface seen at different visits.
-void measure_thickness(const OdometryResult& odometry, const std::vector<SurfelMatch>& revisits, GlobalStats& stats) {
-  std::vector<double> offsets;
-  for (const SurfelMatch& m : revisits) {
-    const Surfel &a = odometry.surfels[m.first], &b = odometry.surfels[m.second];
-    offsets.push_back(std::abs(surfel_offset(odometry.track, a, b)));
-  }
-  stats.thickness_count = offsets.size();
-  stats.thickness_m = 1.4826 * median_of(std::move(offsets));
-}
-
-std::uint64_t count_linked_visits(const OdometryResult& odometry, const std::vector<SurfelMatch>& revisits) {
-  constexpr double kStretchSeconds = 5.0;
-  std::map<std::pair<int, int>, int> links;
-  for (const SurfelMatch& m : revisits) {
-    const int a = static_cast<int>(odometry.surfels[m.first].time_s / kStretchSeconds);
-    const int b = static_cast<int>(odometry.surfels[m.second].time_s / kStretchSeconds);
-    ++links[{std::min(a, b), std::max(a, b)}];
-  }
-  std::uint64_t linked = 0;
-  for (const auto& [pair, count] : links) linked += count >= 10;
-  return linked;
-}
-
 // Stage b at work.
 class Registration {
  public:
@@ -139,7 +115,7 @@ class Registration {
     begin = now_s();
     use_knots(step.coarse);
     RAYFIELD_CHECK(
-        problem_->linearise(matches_.near, matches_.revisits, step.slack_m, step.gps ? step.gps_slack : 0.0, stats_));
+        problem_->linearise(matches_.near, matches_.revisits, {step.slack_m, step.gps ? step.gps_slack : 0.0}, stats_));
     RAYFIELD_ASSIGN(stats_.last_correction_m, problem_->solve_and_apply());
     stats_.solving_seconds += now_s() - begin;
     ++stats_.iterations;
@@ -160,10 +136,12 @@ class Registration {
     find_matches(odometry_, last, options_, matches_);
     problem_->measure_imu_misfit(stats_);
     use_knots(true);  // covariances need a factor of the whole system
-    RAYFIELD_CHECK(problem_->linearise(matches_.near, matches_.revisits, 0.0, 0.0, stats_));
+    RAYFIELD_CHECK(problem_->linearise(matches_.near, matches_.revisits, {0.0, 0.0, kIndependentShare}, stats_));
     RAYFIELD_CHECK(problem_->measure_uncertainty(stats_));
-    measure_thickness(odometry_, matches_.revisits, stats_);
-    stats_.linked_visits = count_linked_visits(odometry_, matches_.revisits);
+    stats_.thickness_count = matches_.revisits.size();
+    stats_.thickness_m = revisit_thickness(odometry_.track, odometry_.surfels, matches_.revisits);
+    stats_.linked_visits = count_linked_visits(odometry_.surfels, matches_.revisits);
+    stats_.visits = visit_misfit(odometry_.track, odometry_.surfels, matches_.revisits);
     for (std::size_t k = 0; k < before_release.size(); ++k) {
       const double shift = (odometry_.track.position[k] - before_release[k]).norm();
       stats_.release_shift_mean_m += shift / static_cast<double>(before_release.size());

@@ -10,6 +10,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/slam/options.h"
+#include "visits.h"
 
 namespace rayfield::slam {
 
@@ -31,6 +32,7 @@ struct GlobalStats {
   double thickness_m = 0;  ///< spread of one flat surface seen at different visits (robust standard deviation)
   std::uint64_t thickness_count = 0;
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches that at least ten revisit matches link
+  VisitMisfit visits;
   double release_shift_mean_m = 0, release_shift_max_m = 0;  ///< motion of the poses when GPS was released
   Eigen::Vector2d offsets = Eigen::Vector2d::Zero();         ///< estimated lidar (s) and spinner (rad) offsets
   Eigen::Vector2d offset_sigmas = Eigen::Vector2d::Zero();

@@ -170,7 +170,7 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
 }
 
 Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
-                                      double slack_m, double gps_slack, GlobalStats& stats) {
+                                      const GlobalWeights& weights, GlobalStats& stats) {
   frame_.anchor = surfel_frame_.anchor = anchors_of(frame_.spline, odometry_.track);
   const int groups = (frame_.track->size() - 2) / kImuGroup;
   std::vector<SurfelSums> near_sums(kParts), revisit_sums(kParts);
@@ -184,16 +184,18 @@ Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::sp
     auto& [chain, coupling] = parts_[part];
     chain.clear(), coupling.clear();
     add_inertial(groups * p / n, groups * (p + 1) / n, chain, squares[part]);
-    near_sums[part] = add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), options_.match.sigma_m,
-                                       options_.match.last_cauchy, 0.0, chain, chain);
-    revisit_sums[part] = add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part),
-                                          options_.match.sigma_m, options_.match.last_cauchy, slack_m, chain, coupling);
+    SurfelWeights surfel_weights{options_.match.sigma_m, options_.match.last_cauchy, 0.0, weights.share};
+    near_sums[part] =
+        add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), surfel_weights, chain, chain);
+    surfel_weights.slack_m = weights.slack_m;
+    revisit_sums[part] =
+        add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), surfel_weights, chain, coupling);
     return {};
   }));
   sums_.chain.clear(), sums_.coupling.clear();
   for (const Sums& part : parts_) sums_.chain.add(part.chain), sums_.coupling.add(part.coupling);
-  if (gps_slack > 0) add_gps(gps_slack, sums_.chain, stats);
-  add_priors(gps_slack > 0, sums_.chain);
+  if (weights.gps_slack > 0) add_gps(weights.gps_slack, sums_.chain, stats);
+  add_priors(weights.gps_slack > 0, sums_.chain);
 
   const auto together = [](const std::vector<SurfelSums>& parts) {
     SurfelSums sum;

@@ -11,6 +11,13 @@
 
 namespace rayfield::slam {
 
+/// What the data of an iteration count for.
+struct GlobalWeights {
+  double slack_m = 0;    ///< of revisits, see SurfelWeights
+  double gps_slack = 0;  ///< factor on the scale of the robust weights of fixes; 0 leaves GPS out
+  double share = 1;      ///< of surfels, see SurfelWeights
+};
+
 /// The normal equations of the global stage. Blocks: knots of the correction spline, bias nodes, one extra block.
 class GlobalProblem {
  public:
@@ -18,10 +25,9 @@ class GlobalProblem {
   GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes, const Rig& rig,
                 const SlamOptions& options, double knot_step_s, const Eigen::Vector2d& offsets);
 
-  /// Builds the system at the present trajectory and fills the residual statistics. `slack_m`: see add_surfel_terms(),
-  /// for revisits. `gps_slack`: factor on the scale of the robust weights of fixes; 0 leaves GPS out.
-  Result<void> linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits, double slack_m,
-                         double gps_slack, GlobalStats& stats);
+  /// Builds the system at the present trajectory and fills the residual statistics.
+  Result<void> linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
+                         const GlobalWeights& weights, GlobalStats& stats);
 
   /// Solves the system and moves trajectory, biases and offsets. Returns the largest move of a knot, less yaw and
   /// translation of the whole, m.

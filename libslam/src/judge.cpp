@@ -18,6 +18,16 @@ constexpr int kFewMatches = 30;
 constexpr double kDoubtfulMisfit = 2.5, kMaxMisfit = 8;
 constexpr double kMaxTail = 4;  // 95 % of the fixes lie within so many times the bound of their median
 
+// How far the worst stretch of a drive may stand out from the others: as a multiple of them, and m.
+struct VisitLimit {
+  double ratio, offset_m;
+};
+constexpr VisitLimit kDoubtfulVisits = {2.5, 0.02}, kTornVisits = {5.0, 0.04};
+
+bool exceeds(const VisitMisfit& visits, const VisitLimit& limit) {
+  return visits.typical_m > 0 && visits.worst_m > limit.offset_m && visits.worst_m > limit.ratio * visits.typical_m;
+}
+
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
   GpsSummary out;
   out.fixes = f.gps.positions.size() + f.gps.invalid;
@@ -119,6 +129,13 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   if (!r.degenerate.empty())
     r.warnings.push_back(fmt::format("{} stretches where lidar alone does not hold the position", r.degenerate.size()));
   if (f.stats.thickness_count == 0) r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
+  const VisitMisfit& visits = f.stats.visits;
+  r.visit_offset_worst_m = visits.worst_m, r.visit_offset_typical_m = visits.typical_m;
+  if (exceeds(visits, kDoubtfulVisits))
+    r.warnings.push_back(fmt::format(
+        "around {:.0f} s after the start surfaces of different visits are up to {:.0f} mm apart ({:.0f} mm elsewhere): "
+        "the map may be torn there",
+        visits.worst_s, 1000 * visits.worst_m, 1000 * visits.typical_m));
   r.imu_misfit = f.stats.imu_misfit;
   if (r.imu_misfit > kDoubtfulMisfit)
     r.warnings.push_back(fmt::format(
@@ -153,6 +170,11 @@ Result<void> judge(const RunFacts& f, const SlamReport& report) {
   if (report.surfel_thickness_m > f.options.max_thickness_m)
     return failed(fmt::format("surfaces seen again are {:.0f} mm thick", 1000 * report.surfel_thickness_m),
                   "check the extrinsics and the clocks in the rig file");
+  if (exceeds(f.stats.visits, kTornVisits))
+    return failed(fmt::format("around {:.0f} s after its start surfaces of different visits are up to {:.0f} mm apart "
+                              "({:.0f} mm elsewhere): the map is torn, a lane may have been taken for the next one",
+                              f.stats.visits.worst_s, 1000 * f.stats.visits.worst_m, 1000 * f.stats.visits.typical_m),
+                  "check the IMU's noise in the rig file and GPS over the block; or split the log before that time");
   if (report.imu_misfit > kMaxMisfit)
     return failed(fmt::format("around {:.0f} s after its start it contradicts the IMU by {:.0f} standard deviations",
                               f.stats.imu_misfit_s, report.imu_misfit),

@@ -16,6 +16,7 @@ namespace {
 constexpr double kGravity = 9.80665;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
 constexpr double kReuse = 3;             // matches that share the error of a surfel
+constexpr double kThinning = 0.8;        // of the rank up to which surfels are kept, each time they become too many
 constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -90,6 +91,22 @@ void Odometry::extract_to(double time_s) {
     ++extracted_bins_;
   }
   out_.extract_seconds += now_s() - begin;
+}
+
+// Drops surfels of the bins before `end_bin` whose rank is too high.
+void Odometry::thin(std::size_t end_bin) {
+  std::size_t kept = 0;
+  const auto begin_of = [this](std::size_t bin) {
+    return bin < bin_begin_.size() ? bin_begin_[bin] : out_.surfels.size();
+  };
+  for (std::size_t bin = 0; bin < bin_begin_.size(); ++bin) {
+    const std::size_t begin = begin_of(bin), end = begin_of(bin + 1);
+    bin_begin_[bin] = kept;
+    for (std::size_t k = begin; k < end; ++k)
+      if (bin >= end_bin || thinning_rank(out_.surfels[k], out_.track) < kept_rank_)
+        out_.surfels[kept++] = out_.surfels[k];
+  }
+  out_.surfels.resize(kept);
 }
 
 Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
@@ -174,6 +191,11 @@ Result<void> Odometry::step(double window_end_s) {
   extract_to(window_end_s);
   RAYFIELD_CHECK(solve(std::max(0, first), last, false));
   done_s_ = window_end_s;
+  if (out_.surfels.size() > static_cast<std::size_t>(options_.max_surfels)) {
+    kept_rank_ *= kThinning;
+    thin(static_cast<std::size_t>(std::max(0.0, (window_end_s - options_.window.length_s)) /
+                                  options_.surfels.time_bin_s));
+  }
   return {};
 }
 
@@ -208,6 +230,7 @@ Result<OdometryResult> Odometry::finish() {
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "log",
                 fmt::format("only {:.1f} s of IMU and lidar data overlap, at least {:.1f} s are needed",
                             std::max(0.0, std::min(imu_.end_s(), lidar_end_s_)), options_.window.length_s));
+  if (kept_rank_ < 1) thin(bin_begin_.size());
   // The first windows saw only the beginning of a longer rest.
   if (out_.start.stationary_s > 0) out_.start.stationary_s = guess_start(imu_, imu_.size()).stationary_s;
   return std::move(out_);

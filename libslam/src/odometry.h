@@ -65,6 +65,7 @@ class Odometry {
   Result<void> last_step();
   void integrate_to(int last_sample);
   void extract_to(double time_s);
+  void thin(std::size_t end_bin);
   Result<void> solve(int first_sample, int last_sample, bool first);
 
   Rig rig_;
@@ -74,6 +75,7 @@ class Odometry {
   double done_s_ = 0;        // the trajectory is solved up to here
   double lidar_end_s_ = -1;  // time of the newest point
   std::int64_t extracted_bins_ = 0;
+  double kept_rank_ = 1;                                         // surfels of higher thinning_rank() are dropped
   std::vector<std::vector<BodyPoint>> pending_;                  // points by bin, from bin extracted_bins_ on
   std::vector<std::size_t> bin_begin_;                           // index of the first surfel of each bin
   std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until the drive has started

@@ -15,8 +15,6 @@ namespace {
 constexpr int kImuGroup = 5;  // samples whose mean is one IMU residual: 0.05 s, far below the knot spacing
 constexpr std::size_t kParts = 2;
 constexpr double kFixed = 1e14;  // information that holds an unknown
-// Surfels of overlapping voxels and resolutions share points: a match counts as this many independent ones.
-constexpr double kSurfelIndependence = 0.2;
 
 double mix_log(double a, double b, double f) { return a * std::pow(b / a, std::clamp(f, 0.0, 1.0)); }
 
@@ -115,23 +113,25 @@ void SurfelSums::add(const SurfelSums& other) {
 }
 
 SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
-                            std::span<const SurfelMatch> matches, double sigma_m, double cauchy, double slack_m,
-                            BlockSystem& system, BlockSystem& coupling) {
+                            std::span<const SurfelMatch> matches, const SurfelWeights& weights, BlockSystem& system,
+                            BlockSystem& coupling) {
+  const double slack2 = weights.slack_m * weights.slack_m;
   SurfelSums sums;
   sums.matches = matches.size();
   for (const SurfelMatch& m : matches) {
     const Surfel &a = surfels[m.first], &b = surfels[m.second];
     const SurfelResidual r = surfel_residual(frame, a, b);
-    const double variance = sigma_m * sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
+    const double variance =
+        weights.sigma_m * weights.sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
     const double square = r.error() * r.error();
-    const double scale2 = cauchy * cauchy * variance + slack_m * slack_m;
-    const double weight = kSurfelIndependence / ((variance + slack_m * slack_m) * (1 + square / scale2));
+    const double scale2 = weights.cauchy * weights.cauchy * variance + slack2;
+    const double weight = weights.share / ((variance + slack2) * (1 + square / scale2));
     system.add(r.first, weight);
     system.add(r.second, weight);
     coupling.add_coupling(r.first, r.second, weight);
     sums.weights += weight, sums.squares += weight * square;
     sums.inliers += square < 9 * variance;
-    sums.information += weight * r.normal * r.normal.transpose();
+    sums.information += kIndependentShare / weights.share * weight * r.normal * r.normal.transpose();
   }
   return sums;
 }
@@ -191,7 +191,7 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
       const std::size_t begin = matches.size() * part / kParts, end = matches.size() * (part + 1) / kParts;
       parts[part].clear();
       sums_of[part] = add_surfel_terms(frame, surfels, std::span(matches).subspan(begin, end - begin),
-                                       options.match.sigma_m, cauchy, 0.0, parts[part], parts[part]);
+                                       {options.match.sigma_m, cauchy}, parts[part], parts[part]);
     });
     SurfelSums surfel_sums;
     for (std::size_t part = 0; part < kParts; ++part) system.add(parts[part]), surfel_sums.add(sums_of[part]);

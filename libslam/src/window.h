@@ -50,19 +50,32 @@ struct WindowStats {
 struct SurfelSums {
   std::size_t matches = 0, inliers = 0;                   ///< inliers: within three standard deviations
   double weights = 0, squares = 0;                        ///< of the robust weights, of weighted squared offsets (m²)
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< on a translation of one side against the other, 1/m²
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< on a shift of one side, independent matches, 1/m²
   double rms_m() const { return weights > 0 ? std::sqrt(squares / weights) : 0; }
   void add(const SurfelSums& other);
 };
 
+/// How surfel residuals are weighted.
+struct SurfelWeights {
+  double sigma_m = 0.005;  ///< standard deviation of an offset apart from the surfels' own thickness
+  double cauchy = 1;       ///< Cauchy scale in standard deviations
+  /// By how much offsets may be off besides: the weight is 1/(variance + slack²), and Cauchy's scale is
+  /// √(cauchy²·variance + slack²). So whole lanes move that are further apart than their surfels are thick, and wrong
+  /// matches do not outvote the IMU meanwhile.
+  double slack_m = 0;
+  /// Factor on all weights: how many independent ones a match counts for.
+  double share = 1;
+};
+/// Surfels of overlapping voxels and resolutions share points, so that uncertainties count a match as a fifth. The
+/// solution itself does not: what errs there is less the noise of points, which they share, than which of them were
+/// met.
+inline constexpr double kIndependentShare = 0.2;
+
 /// Adds the robustly weighted surfel residuals of `matches` to `system`.
 /// What ties the two surfels of a match goes to `coupling`, which may be `system` itself.
-/// `sigma_m` is the standard deviation of an offset apart from the surfels' own thickness. Offsets may be off by
-/// `slack_m` besides: the weight is 1/(variance + slack²), and Cauchy's scale is √(cauchy²·variance + slack²). So whole
-/// lanes move that are further apart than their surfels are thick, and wrong matches do not outvote the IMU meanwhile.
 SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
-                            std::span<const SurfelMatch> matches, double sigma_m, double cauchy, double slack_m,
-                            BlockSystem& system, BlockSystem& coupling);
+                            std::span<const SurfelMatch> matches, const SurfelWeights& weights, BlockSystem& system,
+                            BlockSystem& coupling);
 
 /// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`.
 /// method: 2a; re-associates and re-weights at every iteration. Errors: bad_input where the system is singular.

@@ -42,9 +42,9 @@ Errors compare(const Trajectory& trajectory, double rest_s) {
   return out;
 }
 
-Result<SlamResult> reconstruct(const RoomOptions& room, int threads = 1, const std::string& crs = "") {
+Result<SlamResult> reconstruct(const RoomOptions& room, int threads = 1, const std::string& crs = "",
+                               SlamOptions options = {}) {
   const Rig rig = testing::room_rig(room.spins);
-  SlamOptions options;
   options.threads = threads;
   Progress progress;
   return run_slam(
@@ -83,6 +83,20 @@ TEST(NoiseFreeRoom, IsRecoveredWithAFixedMultiBeamLidar) {
   const auto result = reconstruct(room);
   ASSERT_TRUE(result) << result.error().line();
   EXPECT_LT(compare(result->trajectory, 6).rms_m, 0.005);
+}
+
+TEST(NoiseFreeRoom, IsRecoveredFromTheSurfelsThatALongDriveMayKeep) {
+  RoomOptions room;
+  room.duration_s = 60;
+  const auto whole = reconstruct(room, 2);
+  SlamOptions options;
+  options.max_surfels = 50'000;
+  const auto thinned = reconstruct(room, 2, "", options);
+  ASSERT_TRUE(whole && thinned);
+  EXPECT_GT(whole->report.surfels, 60'000u);
+  EXPECT_LE(thinned->report.surfels, 50'000u);
+  EXPECT_GT(thinned->report.surfels, 25'000u);
+  EXPECT_LT(compare(thinned->trajectory, room.rest_s).max_m, 0.005);
 }
 
 TEST(NoiseFreeRoom, GivesTheSameBytesAtOneAndTwoThreads) {

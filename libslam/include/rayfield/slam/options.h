@@ -28,7 +28,7 @@ struct MatchOptions {
   double normal_scale_m = 0.5;
   double min_time_gap_s = 0.7;  ///< surfels closer in time are the same observation, > 0
   /// Standard deviation of the offset between two surfels of one flat surface, m, > 0.
-  double sigma_m = 0.01;
+  double sigma_m = 0.005;
   /// Cauchy scale in standard deviations: first and last iteration (annealed), > 0.
   double first_cauchy = 4.0, last_cauchy = 1.0;
   Result<void> validate() const;
@@ -93,7 +93,10 @@ struct SlamOptions {
   double max_thickness_m = 0.025;  ///< surfaces thicker than this after registration: the drive failed
   double max_imu_gap_s = 0.5;      ///< a longer gap ends the drive: no trajectory is made across it
   int max_points_per_bin = 30000;  ///< lidar points used per time bin; denser lidars are thinned evenly, ≥ 1000
-  int threads = 0;                 ///< 0: all processors; does not change the result
+  /// Surfels of a drive that are kept, ≥ 50000: bounds memory (130 bytes each) and time. Of longer drives whole columns
+  /// of the world go, the same ones at every visit, and ground first.
+  int max_surfels = 2'000'000;
+  int threads = 0;  ///< 0: all processors; does not change the result
   Result<void> validate() const;
 };
 
