@@ -130,6 +130,16 @@ std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
   return sure;
 }
 
+std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                                           double trunk_spacing_m) {
+  UsualStems usual;
+  usual.trunk_spacing_m = trunk_spacing_m;
+  std::vector<std::size_t> witnesses;
+  for (std::size_t i = 0; i < stems.size(); ++i)
+    if (std::binary_search(sure.begin(), sure.end(), i) || is_extra(stems, i, usual)) witnesses.push_back(i);
+  return witnesses;
+}
+
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                            const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
   // Between all pairs that are not far apart: a vine taken for a post must not hide the gap between its neighbours.
@@ -167,11 +177,18 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
     most = std::max(most, candidates.back().explained);
   }
   if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
-  // Half the spacing explains as much, and a little more by chance: of those that do nearly as well, the widest.
+  // A half or a third of the spacing explains as much, and a little more by chance: of the multiples of the one that
+  // explains most, the widest that does nearly as well. No other spacing may take its place.
   const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
-  double widest = 0;
+  double best = 0;
   for (const Candidate& c : candidates)
-    if (c.explained >= enough) widest = std::max(widest, c.spacing_m);
+    if (c.explained == most) best = c.spacing_m;
+  double widest = best;
+  for (const Candidate& c : candidates) {
+    const double times = c.spacing_m / best;
+    const bool multiple = times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
+    if (multiple && c.explained >= enough) widest = std::max(widest, c.spacing_m);
+  }
   std::vector<double> spacings;
   for (double gap : gaps) {
     const double spacing = gap / std::max(1.0, std::round(gap / widest));

@@ -100,6 +100,14 @@ double median(std::vector<double> values, double otherwise) {
   return *middle;
 }
 
+// The usual distance between neighbouring stems: that of the vines, as most stems are theirs.
+double usual_gap(const std::vector<std::vector<PlacedStem>>& stems) {
+  std::vector<double> gaps;
+  for (const std::vector<PlacedStem>& row : stems)
+    for (std::size_t i = 1; i < row.size(); ++i) gaps.push_back(row[i].chainage_m - row[i - 1].chainage_m);
+  return median(std::move(gaps), std::numeric_limits<double>::quiet_NaN());
+}
+
 struct RowStems {
   std::vector<PlacedStem> posts, trunks;
   std::vector<double> inferred;
@@ -166,7 +174,11 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
     sure.push_back(sure_posts(placed.back()));
   }
   UsualStems usual;
-  const UsualSpacing spacing = usual_spacing(placed, sure, options.min_panel_m, options.max_panel_m);
+  const double stem_spacing_m = usual_gap(placed);
+  std::vector<std::vector<std::size_t>> witnesses;
+  for (std::size_t r = 0; r < placed.size(); ++r)
+    witnesses.push_back(spacing_witnesses(placed[r], sure[r], stem_spacing_m));
+  const UsualSpacing spacing = usual_spacing(placed, witnesses, options.min_panel_m, options.max_panel_m);
   usual.spacing_m = report.panel_length_m = spacing.spacing_m;
   usual.regular = spacing.regular;
   // Twice: what posts are like is known better once those that stand at the spacing are told from the rest.

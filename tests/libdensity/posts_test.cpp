@@ -184,6 +184,36 @@ TEST(Posts, AreToldFromTallVinesByTheSpacingOfTheBlock) {
     EXPECT_NEAR(post.chainage_m, kSpacing * std::round(post.chainage_m / kSpacing), 0.01);
 }
 
+// Summer: of the line posts two stick out of the canopy, and four vines do by chance. A third of the row explains them
+// nearly as well as a quarter; the posts that stand between two vines decide.
+TEST(Posts, OfADenseCanopyAreFoundByTheVinesBesideThem) {
+  constexpr double kLength = 26, kSpacing = 6.5, kVine = kSpacing / 3.5;
+  const std::vector<std::vector<int>> seen = {{0, 3, 4}, {0, 4}, {0, 1, 4}};
+  const std::vector<std::vector<int>> tall = {{4, 6, 13}, {7}, {}};
+  RowLayout layout;
+  std::vector<Stem> stems;
+  for (int row = 1; row <= 3; ++row) {
+    const double y = 3.0 * row;
+    layout.rows.push_back({row, {{0, y}, {kLength, y}}});
+    const auto is_in = [&](const std::vector<std::vector<int>>& which, int i) {
+      const std::vector<int>& of_row = which[static_cast<std::size_t>(row - 1)];
+      return std::find(of_row.begin(), of_row.end(), i) != of_row.end();
+    };
+    const auto add = [&](double x, double radius_m, double top_m, double upper_share) {
+      Stem stem;
+      stem.row = row, stem.position = {x, y}, stem.radius_m = radius_m, stem.top_m = top_m;
+      stem.contrast = 100, stem.upper_share = upper_share;
+      stems.push_back(stem);
+    };
+    for (int i = 0; i <= 4; ++i) add(i * kSpacing, 0.035, 1.8, is_in(seen, i) ? 1.1 : 0.0);
+    for (int i = 0; i < 14; ++i)
+      if (i != 3 && i != 10) add((i + 0.5) * kVine, 0.028, 1.0, is_in(tall, i) ? 1.2 : 0.0);  // those two are at posts
+  }
+  ASSERT_TRUE(place_posts(layout, stems, PostOptions()));
+  ASSERT_EQ(layout.panels.size(), 12U);
+  for (const Panel& panel : layout.panels) EXPECT_NEAR(panel.end_m - panel.start_m, kSpacing, 0.01);
+}
+
 TEST(Panels, OfGivenLengthLetAShortRestJoinItsNeighbour) {
   RowLayout layout;
   for (const double length : {20.0, 22.9, 23.6, 3.0}) {

@@ -95,7 +95,7 @@ struct SlamOptions {
   int max_points_per_bin = 30000;  ///< lidar points used per time bin; denser lidars are thinned evenly, ≥ 1000
   /// Surfels of a drive that are kept, ≥ 50000: bounds memory (130 bytes each) and time. Of longer drives whole columns
   /// of the world go, the same ones at every visit, and ground first.
-  int max_surfels = 2'000'000;
+  int max_surfels = 6'000'000;
   int threads = 0;  ///< 0: all processors; does not change the result
   Result<void> validate() const;
 };
