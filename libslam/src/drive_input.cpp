@@ -58,6 +58,10 @@ void DriveInput::imu(const ImuSample& sample) {
 
 void DriveInput::accept(const ImuSample& sample) {
   last_imu_ = sample;
+  if (const std::optional<ImuSample> ready = spikes_.push(sample)) use(*ready);
+}
+
+void DriveInput::use(const ImuSample& sample) {
   // The drive begins where both sensors run.
   if (!odometry_ && first_lidar_s_ && sample.time_s >= *first_lidar_s_)
     odometry_ = std::make_unique<Odometry>(rig_, options_, sample.time_s);
@@ -104,6 +108,7 @@ void DriveInput::drain(bool flush) {
 }
 
 void DriveInput::end_drive() {
+  if (const std::optional<ImuSample> last = spikes_.flush()) use(*last);
   drain(true);
   points_ += assembler_->counts().points, hits_ += assembler_->counts().hits;
   if (odometry_ && !error_) {
@@ -160,6 +165,7 @@ Result<Drive> DriveInput::finish() {
   warn(imu_invalid_, "IMU samples that are not finite left out");
   warn(imu_late_, "IMU samples out of order left out");
   warn(imu_stray_, "IMU samples with stray time stamps left out");
+  warn(spikes_.repaired(), "IMU samples with spikes replaced by the mean of their neighbours");
   warn(best_->lidar.late_scans, "lidar scans out of order left out");
   warn(best_->lidar.unusable_scans, "lidar scans with unequal columns or without a time left out");
   warn(best_->lidar.scans_without_angle, "lidar scans (or parts) without a spinner angle left out");

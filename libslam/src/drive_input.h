@@ -11,6 +11,7 @@
 #include "rayfield/core/map_frame.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/core/sensor_log.h"
+#include "spike_filter.h"
 
 namespace rayfield::slam {
 
@@ -41,6 +42,7 @@ class DriveInput : public SensorSink {
 
  private:
   void accept(const ImuSample& sample);
+  void use(const ImuSample& sample);
   void drain(bool flush);
   void end_drive();
   tl::unexpected<Error> nothing() const;
@@ -51,6 +53,7 @@ class DriveInput : public SensorSink {
   std::unique_ptr<LidarAssembler> assembler_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<ImuSample> last_imu_, suspect_;
+  SpikeFilter spikes_;
   std::optional<double> first_lidar_s_;
   std::optional<Drive> best_;
   std::optional<Error> error_;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "rayfield/slam/slam.h"
@@ -97,6 +98,25 @@ TEST(NoiseFreeRoom, IsRecoveredFromTheSurfelsThatALongDriveMayKeep) {
   EXPECT_LE(thinned->report.surfels, 50'000u);
   EXPECT_GT(thinned->report.surfels, 25'000u);
   EXPECT_LT(compare(thinned->trajectory, room.rest_s).max_m, 0.005);
+}
+
+// A sample that is nonsense, as electric noise or a lost byte makes it: what it says must not enter the path.
+TEST(NoiseFreeRoom, IsRecoveredInSpiteOfSpikesOfTheImu) {
+  RoomOptions room;
+  int count = 0;
+  room.edit_imu = [&count](ImuSample& s) {
+    ++count;
+    if (count == 1500) s.angular_velocity_rad_s.z() += 20;
+    if (count == 2200) s.linear_acceleration_m_s2.x() -= 150;
+    if (count == 2900) s.angular_velocity_rad_s.x() -= 35, s.linear_acceleration_m_s2.z() = 0;
+    return true;
+  };
+  const auto result = reconstruct(room);
+  ASSERT_TRUE(result) << result.error().line();
+  const Errors e = compare(result->trajectory, room.rest_s);
+  EXPECT_LT(e.max_m, 0.01);
+  EXPECT_TRUE(std::any_of(result->report.warnings.begin(), result->report.warnings.end(),
+                          [](const std::string& w) { return w.find("spikes") != std::string::npos; }));
 }
 
 TEST(NoiseFreeRoom, GivesTheSameBytesAtOneAndTwoThreads) {
