@@ -28,6 +28,24 @@ bool exceeds(const VisitMisfit& visits, const VisitLimit& limit) {
   return visits.typical_m > 0 && visits.worst_m > limit.offset_m && visits.worst_m > limit.ratio * visits.typical_m;
 }
 
+// The window whose surfaces agree least, and how many usually do.
+struct WindowAgreement {
+  double least = 1, typical = 1, at_s = 0;
+};
+constexpr double kDoubtfulAgreement = 0.9, kBrokenAgreement = 0.75;  // least / typical
+
+WindowAgreement agreement_of(const std::vector<WindowStats>& windows) {
+  WindowAgreement out;
+  std::vector<double> shares;
+  for (const WindowStats& w : windows) {
+    if (w.matches < kFewMatches) continue;
+    shares.push_back(w.inlier_fraction);
+    if (w.inlier_fraction < out.least) out.least = w.inlier_fraction, out.at_s = 0.5 * (w.start_s + w.end_s);
+  }
+  if (!shares.empty()) out.typical = median_of(std::move(shares));
+  return out;
+}
+
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
   GpsSummary out;
   out.fixes = f.gps.positions.size() + f.gps.invalid;
@@ -129,6 +147,13 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   if (!r.degenerate.empty())
     r.warnings.push_back(fmt::format("{} stretches where lidar alone does not hold the position", r.degenerate.size()));
   if (f.stats.thickness_count == 0) r.warnings.push_back("no surface was seen twice: nothing closes the drive's loops");
+  const WindowAgreement agreement = agreement_of(odometry.windows);
+  r.window_inliers_least = agreement.least, r.window_inliers_typical = agreement.typical;
+  if (agreement.least < kDoubtfulAgreement * agreement.typical)
+    r.warnings.push_back(fmt::format(
+        "around {:.0f} s after the start only {:.0f} % of the surfaces seen twice agree ({:.0f} % elsewhere): "
+        "the IMU or the lidar may have been disturbed there",
+        agreement.at_s, 100 * agreement.least, 100 * agreement.typical));
   const VisitMisfit& visits = f.stats.visits;
   r.visit_offset_worst_m = visits.worst_m, r.visit_offset_typical_m = visits.typical_m;
   if (exceeds(visits, kDoubtfulVisits))
@@ -167,6 +192,13 @@ Result<void> judge(const RunFacts& f, const SlamReport& report) {
   if (inliers < kMinInliers)
     return failed(fmt::format("only {:.0f} % of the surfaces seen twice agree", 100 * inliers),
                   "check the extrinsics, the spinner's axis and the clocks in the rig file");
+  const WindowAgreement agreement = agreement_of(f.drive.odometry.windows);
+  if (agreement.least < kBrokenAgreement * agreement.typical)
+    return failed(
+        fmt::format("around {:.0f} s after its start only {:.0f} % of the surfaces seen twice agree ({:.0f} % "
+                    "elsewhere)",
+                    agreement.at_s, 100 * agreement.least, 100 * agreement.typical),
+        "the IMU or the lidar was disturbed there: see `rayfield info LOG`, or split the log at that time");
   if (report.surfel_thickness_m > f.options.max_thickness_m)
     return failed(fmt::format("surfaces seen again are {:.0f} mm thick", 1000 * report.surfel_thickness_m),
                   "check the extrinsics and the clocks in the rig file");

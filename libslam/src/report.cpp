@@ -91,6 +91,7 @@ std::string report_json(const SlamReport& r) {
   o.raw("residuals", residuals.text());
   o.set("loop_closures", r.loop_closures).set("linked_visits", r.linked_visits);
   o.set("surfel_thickness_m", r.surfel_thickness_m).set("imu_misfit", r.imu_misfit);
+  o.set("window_inliers_least", r.window_inliers_least).set("window_inliers_typical", r.window_inliers_typical);
   o.set("visit_offset_worst_m", r.visit_offset_worst_m).set("visit_offset_typical_m", r.visit_offset_typical_m);
   o.raw("gps", gps_object(r.gps));
   o.raw("degenerate", array(r.degenerate, [](const DegenerateSpan& d) {

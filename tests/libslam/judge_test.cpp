@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -131,6 +132,11 @@ struct StraightDrive {
   }
 };
 
+bool warns(const SlamReport& report, const char* of) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [of](const std::string& w) { return w.find(of) != std::string::npos; });
+}
+
 TEST(ImuMisfit, IsAboutOneOnARightPath) {
   StraightDrive d;
   const GlobalStats stats = d.misfit();
@@ -138,7 +144,7 @@ TEST(ImuMisfit, IsAboutOneOnARightPath) {
   EXPECT_LT(stats.imu_misfit, 2.0);
   SlamReport report;
   EXPECT_TRUE(d.verdict(stats, report));
-  for (const std::string& w : report.warnings) EXPECT_EQ(w.find("IMU"), std::string::npos) << w;
+  EXPECT_FALSE(warns(report, "IMU"));
 }
 
 TEST(ImuMisfit, TellsThatALaneMovedByARowWithinSomeTenMetres) {
@@ -170,21 +176,35 @@ TEST(Judge, WarnsOfStretchesThatStandOutAndRefusesATornMap) {
   StraightDrive d;
   GlobalStats stats = d.misfit();
   SlamReport report;
-  const auto warned = [&report] {
-    return std::any_of(report.warnings.begin(), report.warnings.end(),
-                       [](const std::string& w) { return w.find("torn") != std::string::npos; });
-  };
   stats.visits = {0.009, 50, 0.006};
   EXPECT_TRUE(d.verdict(stats, report));
-  EXPECT_FALSE(warned());
+  EXPECT_FALSE(warns(report, "torn"));
   stats.visits = {0.025, 50, 0.006};
   EXPECT_TRUE(d.verdict(stats, report));
-  EXPECT_TRUE(warned());
+  EXPECT_TRUE(warns(report, "torn"));
   EXPECT_EQ(report.visit_offset_worst_m, 0.025);
   stats.visits = {0.07, 470, 0.007};
   const Result<void> torn = d.verdict(stats, report);
   ASSERT_FALSE(torn);
   EXPECT_NE(torn.error().line().find("470 s"), std::string::npos) << torn.error().line();
+}
+
+TEST(Judge, RefusesADriveWithAWindowThatContradictsItself) {
+  StraightDrive d;
+  const GlobalStats stats = d.misfit();
+  SlamReport report;
+  d.drive.odometry.windows[6].start_s = 30, d.drive.odometry.windows[6].end_s = 35;
+  d.drive.odometry.windows[6].inlier_fraction = 0.93;
+  EXPECT_TRUE(d.verdict(stats, report));
+  EXPECT_FALSE(warns(report, "disturbed"));
+  EXPECT_EQ(report.window_inliers_least, 0.93);
+  d.drive.odometry.windows[6].inlier_fraction = 0.85;
+  EXPECT_TRUE(d.verdict(stats, report));
+  EXPECT_TRUE(warns(report, "disturbed"));
+  d.drive.odometry.windows[6].inlier_fraction = 0.6;
+  const Result<void> verdict = d.verdict(stats, report);
+  ASSERT_FALSE(verdict);
+  EXPECT_NE(verdict.error().line().find("around 32 s"), std::string::npos) << verdict.error().line();
 }
 
 }  // namespace

@@ -69,6 +69,9 @@ struct SlamReport {
   /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 1–1.5 in a map that
   /// is right, more where a lane was taken for the next one.
   double imu_misfit = 0;
+  /// Share of surfaces seen twice within a window of the first stage that agree to three standard deviations: in the
+  /// window where it is least, and the median of all.
+  double window_inliers_least = 0, window_inliers_typical = 0;
   /// Offsets between surfaces of different visits, 90th percentile over 20 s of driving: in the stretch where it is
   /// largest, and the median of all stretches, m. They are alike in a map that is right; 0 where there is too little.
   double visit_offset_worst_m = 0, visit_offset_typical_m = 0;
