@@ -13,7 +13,7 @@ constexpr double kMaxSpeed = 15;           // m/s, of a vehicle between vines
 constexpr double kMinInliers = 0.5;        // share of matches within three standard deviations
 constexpr double kMaxBlindFraction = 0.3;  // share of windows with hardly any match
 constexpr int kFewMatches = 30;
-// Largest mean residual of the IMU over a straight stretch, standard deviations. Maps that are right: 1.1–1.5; with a
+// Largest mean residual of the IMU over a straight stretch, standard deviations. Maps that are right: 0.9–1.8; with a
 // lane taken for the next one, 2.7 and more.
 constexpr double kDoubtfulMisfit = 2.5, kMaxMisfit = 8;
 constexpr double kMaxTail = 4;  // 95 % of the fixes lie within so many times the bound of their median

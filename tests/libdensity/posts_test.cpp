@@ -153,6 +153,19 @@ TEST(Posts, OnTheBorderOfTwoTilesAreFoundOnce) {
   EXPECT_EQ(placed.report.inferred, 0);
 }
 
+Stem stem_at(int row, const Eigen::Vector2d& position, double radius_m, double top_m, double upper_share) {
+  Stem stem;
+  stem.row = row, stem.position = position, stem.radius_m = radius_m, stem.top_m = top_m;
+  stem.contrast = 100, stem.upper_share = upper_share;
+  return stem;
+}
+
+// Whether i is listed for a row, counted from one.
+bool is_in(const std::vector<std::vector<int>>& rows, int row, int i) {
+  const std::vector<int>& listed = rows[static_cast<std::size_t>(row - 1)];
+  return std::find(listed.begin(), listed.end(), i) != listed.end();
+}
+
 // Posts at every seventh metre, some of them lost in the leaves, and vines at every 1.75 m of which some look like
 // posts.
 TEST(Posts, AreToldFromTallVinesByTheSpacingOfTheBlock) {
@@ -164,18 +177,11 @@ TEST(Posts, AreToldFromTallVinesByTheSpacingOfTheBlock) {
   for (int row = 1; row <= 3; ++row) {
     const double y = 2.5 * row;
     layout.rows.push_back({row, {{0, y}, {kLength, y}}});
-    const auto is_in = [&](const std::vector<std::vector<int>>& which, int i) {
-      const std::vector<int>& of_row = which[static_cast<std::size_t>(row - 1)];
-      return std::find(of_row.begin(), of_row.end(), i) != of_row.end();
-    };
     const auto add = [&](double x, double radius_m, double top_m, double upper_share) {
-      Stem stem;
-      stem.row = row, stem.position = {x, y}, stem.radius_m = radius_m, stem.top_m = top_m;
-      stem.contrast = 100, stem.upper_share = upper_share;
-      stems.push_back(stem);
+      stems.push_back(stem_at(row, {x, y}, radius_m, top_m, upper_share));
     };
-    for (int i = 0; i <= 6; ++i) add(i * kSpacing, 0.035, 1.8, is_in(lost, i) ? 0.0 : 1.2);
-    for (int i = 0; i < 24; ++i) add((i + 0.5) * kVine, 0.025, 1.0, is_in(tall, i) ? 1.1 : 0.0);
+    for (int i = 0; i <= 6; ++i) add(i * kSpacing, 0.035, 1.8, is_in(lost, row, i) ? 0.0 : 1.2);
+    for (int i = 0; i < 24; ++i) add((i + 0.5) * kVine, 0.025, 1.0, is_in(tall, row, i) ? 1.1 : 0.0);
   }
   ASSERT_TRUE(place_posts(layout, stems, PostOptions()));
   ASSERT_EQ(layout.posts.size(), 21U);
@@ -195,19 +201,13 @@ TEST(Posts, OfADenseCanopyAreFoundByTheVinesBesideThem) {
   for (int row = 1; row <= 3; ++row) {
     const double y = 3.0 * row;
     layout.rows.push_back({row, {{0, y}, {kLength, y}}});
-    const auto is_in = [&](const std::vector<std::vector<int>>& which, int i) {
-      const std::vector<int>& of_row = which[static_cast<std::size_t>(row - 1)];
-      return std::find(of_row.begin(), of_row.end(), i) != of_row.end();
-    };
     const auto add = [&](double x, double radius_m, double top_m, double upper_share) {
-      Stem stem;
-      stem.row = row, stem.position = {x, y}, stem.radius_m = radius_m, stem.top_m = top_m;
-      stem.contrast = 100, stem.upper_share = upper_share;
-      stems.push_back(stem);
+      stems.push_back(stem_at(row, {x, y}, radius_m, top_m, upper_share));
     };
-    for (int i = 0; i <= 4; ++i) add(i * kSpacing, 0.035, 1.8, is_in(seen, i) ? 1.1 : 0.0);
+    for (int i = 0; i <= 4; ++i) add(i * kSpacing, 0.035, 1.8, is_in(seen, row, i) ? 1.1 : 0.0);
     for (int i = 0; i < 14; ++i)
-      if (i != 3 && i != 10) add((i + 0.5) * kVine, 0.028, 1.0, is_in(tall, i) ? 1.2 : 0.0);  // those two are at posts
+      if (i != 3 && i != 10)
+        add((i + 0.5) * kVine, 0.028, 1.0, is_in(tall, row, i) ? 1.2 : 0.0);  // those two are at posts
   }
   ASSERT_TRUE(place_posts(layout, stems, PostOptions()));
   ASSERT_EQ(layout.panels.size(), 12U);
