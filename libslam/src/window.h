@@ -67,8 +67,7 @@ struct SurfelWeights {
   double share = 1;
 };
 /// Surfels of overlapping voxels and resolutions share points, so that uncertainties count a match as a fifth. The
-/// solution itself does not: what errs there is less the noise of points, which they share, than which of them were
-/// met.
+/// solution counts it whole: errors are smaller so, as measured (docs/slam.md).
 inline constexpr double kIndependentShare = 0.2;
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`.
