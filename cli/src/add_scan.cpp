@@ -94,11 +94,12 @@ Result<tile::InputEntry> describe_input(const fs::path& path) {
 }
 
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
-                                              int threads, Progress& progress, std::vector<std::string>& warnings) {
+                                              const fs::path& scratch, int threads, Progress& progress,
+                                              std::vector<std::string>& warnings) {
   if (is_log(path)) {
     RAYFIELD_CHECK(require_rig(path, inputs));
     RAYFIELD_ASSIGN(RegisteredDrive drive,
-                    register_drive(path.string(), inputs.rig_file, crs, true, threads, progress));
+                    register_drive(path.string(), inputs.rig_file, crs, true, scratch, threads, progress));
     for (const std::string& warning : drive.report.warnings) progress.warn(warning);
     for (const std::string& warning : all_warnings(drive))
       warnings.push_back(path.filename().string() + ": " + warning);
@@ -143,7 +144,8 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
-    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, options.threads, progress, warnings));
+    RAYFIELD_ASSIGN(auto part,
+                    open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress, warnings));
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts), warnings);

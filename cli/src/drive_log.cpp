@@ -92,10 +92,12 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
 }
 
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
-                                       bool require_gps, int threads, Progress& progress) {
+                                       bool require_gps, const std::filesystem::path& scratch, int threads,
+                                       Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
   slam::SlamOptions options;
   options.threads = threads;
+  options.scratch = scratch.string();
   if (const std::string gap = missing_position(opened); require_gps && !gap.empty())
     return fail(ErrorCode::bad_input, "cannot georeference log", log, gap,
                 "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");

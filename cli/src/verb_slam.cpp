@@ -64,15 +64,21 @@ Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& ar
   return cloud.ray_count();
 }
 
+std::filesystem::path scratch_beside(const std::string& output) {
+  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
 Result<Outcome> run_slam_verb(const SlamArguments& arguments, const Context& context) {
   RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));
   if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));
   RAYFIELD_CHECK(formats::PlyWriteOptions{arguments.crs}.validate());
   if (context.options.dry_run) return describe_slam(arguments, context.progress);
-  auto registered = arguments.given.empty() ? register_drive(arguments.log, arguments.rig, arguments.crs, false,
-                                                             context.options.threads, context.progress)
-                                            : follow_trajectory(arguments.log, arguments.rig, arguments.given,
-                                                                arguments.crs, context.progress);
+  auto registered =
+      arguments.given.empty()
+          ? register_drive(arguments.log, arguments.rig, arguments.crs, false, scratch_beside(arguments.cloud),
+                           context.options.threads, context.progress)
+          : follow_trajectory(arguments.log, arguments.rig, arguments.given, arguments.crs, context.progress);
   if (!registered) return tl::make_unexpected(std::move(registered).error());
   RegisteredDrive& drive = *registered;
   Grid2<std::uint32_t> hits;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "global_matches.h"
 #include "global_terms.h"
 #include "visits.h"
 
@@ -13,17 +14,13 @@ namespace {
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-constexpr int kNearInterval = 4;  // iterations between two searches for near matches
-
 // What one iteration does (method: annealing, release).
 struct Step {
-  bool revisits = false, gps = false;
-  bool coarse = false;     // knots of the coarse spline
-  bool foliage = false;    // thick surfaces count among the revisits
-  double anneal = 0;       // of the match radius of revisits, 0: first, 1: last
-  double slack_m = 0;      // of the weights of revisits
-  double gps_slack = 1;    // factor on the scale of the weights of fixes
-  double max_gap_s = 1e9;  // revisits further apart in time are left out
+  MatchStep match;
+  bool gps = false;
+  bool coarse = false;   // knots of the coarse spline
+  double slack_m = 0;    // of the weights of revisits
+  double gps_slack = 1;  // factor on the scale of the weights of fixes
 };
 
 // Lanes driven one after the other are tied first, where they meet, when drift is least: with every iteration revisits
@@ -42,36 +39,10 @@ std::vector<Step> last_steps(const GlobalOptions& options, bool has_gps) {
   for (int k = 0; k < options.revisit_iterations; ++k) {
     const double anneal = k / last;
     const double slack = options.first_slack_m * std::pow(kLeastSlack / options.first_slack_m, anneal);
-    steps.push_back({true, has_gps, 2 * k < options.revisit_iterations, false, anneal, slack, 1});
+    steps.push_back({{true, false, anneal}, has_gps, 2 * k < options.revisit_iterations, slack});
   }
-  for (int k = 0; k < options.release_iterations; ++k) steps.push_back({true, false, false, false, 1, 0, 1});
+  for (int k = 0; k < options.release_iterations; ++k) steps.push_back({{true, false, 1}, false, false, 0});
   return steps;
-}
-
-struct Matches {
-  std::vector<SurfelMatch> near, revisits;
-};
-
-// Fills the matches of a step. Near ones are kept where there are some: corrections hardly move surfels that are close
-// in time against each other.
-void find_matches(const OdometryResult& odometry, const Step& step, const SlamOptions& options, Matches& out) {
-  const int threads = thread_count(options.threads);
-  const auto placed =
-      place_surfels(odometry.surfels, odometry.track, odometry.track.position[odometry.track.size() / 2], threads);
-  MatchQuery query;
-  query.normal_scale_m = options.match.normal_scale_m;
-  query.radius_voxels = options.match.last_radius_voxels;
-  query.min_gap_s = options.match.min_time_gap_s;
-  query.max_gap_s = options.window.length_s;
-  if (out.near.empty()) out.near = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
-  if (!step.revisits) return;
-  query.radius_voxels = options.match.first_radius_voxels *
-                        std::pow(options.match.last_radius_voxels / options.match.first_radius_voxels, step.anneal);
-  query.max_radius_m = 0.5 * options.global.row_spacing_m;
-  query.min_gap_s = options.global.revisit_gap_s;
-  query.max_gap_s = step.max_gap_s;
-  if (!step.foliage) query.max_thickness_m = options.global.max_revisit_thickness_m;
-  out.revisits = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
 }
 
 // Stage b at work.
@@ -79,7 +50,13 @@ class Registration {
  public:
   Registration(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes, const Rig& rig,
                const SlamOptions& options, Progress& progress)
-      : odometry_(odometry), imu_(imu), fixes_(fixes), rig_(rig), options_(options), progress_(progress) {}
+      : odometry_(odometry),
+        imu_(imu),
+        fixes_(fixes),
+        rig_(rig),
+        options_(options),
+        progress_(progress),
+        matching_(options) {}
 
   Result<GlobalStats> run() {
     const GlobalOptions& global = options_.global;
@@ -91,8 +68,8 @@ class Registration {
     // Far from its start the drive may have drifted by more than fixes scatter.
     constexpr double kFirstGpsSlack = 16;
     for (int k = 0; k < global.odometry_iterations; ++k)
-      RAYFIELD_CHECK(iterate({false, has_gps, true, false, 0, 0, kFirstGpsSlack}));
-    for (const double gap : gaps) RAYFIELD_CHECK(iterate({true, has_gps, true, true, 0, global.first_slack_m, 1, gap}));
+      RAYFIELD_CHECK(iterate({{}, has_gps, true, 0, kFirstGpsSlack}));
+    for (const double gap : gaps) RAYFIELD_CHECK(iterate({{true, true, 0, gap}, has_gps, true, global.first_slack_m}));
     std::vector<Eigen::Vector3d> before_release;
     for (const Step& step : last) {
       if (has_gps && !step.gps && before_release.empty()) before_release = odometry_.track.position;
@@ -108,18 +85,31 @@ class Registration {
 
   Result<void> iterate(const Step& step) {
     if (progress_.cancelled()) return fail(ErrorCode::interrupted, "stopped", "global registration", "by the user");
-    double begin = now_s();
-    if (stats_.iterations % kNearInterval == 0) matches_.near.clear();
-    find_matches(odometry_, step, options_, matches_);
-    stats_.matching_seconds += now_s() - begin;
-    begin = now_s();
     use_knots(step.coarse);
-    RAYFIELD_CHECK(
-        problem_->linearise(matches_.near, matches_.revisits, {step.slack_m, step.gps ? step.gps_slack : 0.0}, stats_));
+    RAYFIELD_CHECK(linearise(step.match, {step.slack_m, step.gps ? step.gps_slack : 0.0}, nullptr));
+    const double begin = now_s();
     RAYFIELD_ASSIGN(stats_.last_correction_m, problem_->solve_and_apply());
     stats_.solving_seconds += now_s() - begin;
     ++stats_.iterations;
     progress_.advance(1);
+    return {};
+  }
+
+  // Builds the normal equations of the trajectory as it is. With a survey, near matches are looked for anew.
+  Result<void> linearise(const MatchStep& step, const GlobalWeights& weights, VisitSurvey* survey) {
+    const double begin = now_s();
+    double solving = 0;
+    problem_->begin(weights);
+    RAYFIELD_CHECK(matching_.sweep(odometry_, problem_->surfel_offsets(), step, survey != nullptr,
+                                   [&](const RegionMatches& region) -> Result<void> {
+                                     const double found = now_s();
+                                     problem_->add_surfels(region.surfels, region.near, region.revisits);
+                                     if (survey) survey->add(odometry_.track, region.surfels, region.revisits);
+                                     solving += now_s() - found;
+                                     return {};
+                                   }));
+    problem_->end(stats_);
+    stats_.solving_seconds += solving, stats_.matching_seconds += now_s() - begin - solving;
     return {};
   }
 
@@ -132,16 +122,13 @@ class Registration {
   }
 
   Result<void> measure(const Step& last, const std::vector<Eigen::Vector3d>& before_release) {
-    matches_ = {};
-    find_matches(odometry_, last, options_, matches_);
     problem_->measure_imu_misfit(stats_);
     use_knots(true);  // covariances need a factor of the whole system
-    RAYFIELD_CHECK(problem_->linearise(matches_.near, matches_.revisits, {0.0, 0.0, kIndependentShare}, stats_));
+    VisitSurvey survey(length_s());
+    RAYFIELD_CHECK(linearise(last.match, {0.0, 0.0, kIndependentShare}, &survey));
     RAYFIELD_CHECK(problem_->measure_uncertainty(stats_));
-    stats_.thickness_count = matches_.revisits.size();
-    stats_.thickness_m = revisit_thickness(odometry_.track, odometry_.surfels, matches_.revisits);
-    stats_.linked_visits = count_linked_visits(odometry_.surfels, matches_.revisits);
-    stats_.visits = visit_misfit(odometry_.track, odometry_.surfels, matches_.revisits);
+    stats_.thickness_count = survey.count(), stats_.thickness_m = survey.thickness_m();
+    stats_.linked_visits = survey.linked_visits(), stats_.visits = survey.misfit();
     for (std::size_t k = 0; k < before_release.size(); ++k) {
       const double shift = (odometry_.track.position[k] - before_release[k]).norm();
       stats_.release_shift_mean_m += shift / static_cast<double>(before_release.size());
@@ -157,7 +144,7 @@ class Registration {
   const SlamOptions& options_;
   Progress& progress_;
   std::optional<GlobalProblem> problem_;
-  Matches matches_;
+  GlobalMatching matching_;
   GlobalStats stats_;
 };
 

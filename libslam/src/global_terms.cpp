@@ -48,7 +48,7 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
       options_(options),
       knot_step_s_(knot_step_s),
       offsets_(offsets),
-      sums_{BlockSystem(0, BlockSystem::Storage::sparse), BlockSystem(0, BlockSystem::Storage::sparse)} {
+      sums_{BlockSystem(0, BlockSystem::Storage::sparse), BlockSystem(0, BlockSystem::Storage::sparse), {}, {}} {
   frame_.track = &odometry.track;
   const double length = odometry.track.end_s();
   frame_.spline.spans = std::max(1, static_cast<int>(std::lround(length / knot_step_s)));
@@ -71,7 +71,7 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
     accel_bias_.push_back(odometry.inertial[nearest].state.accel_bias);
   }
   const BlockSystem empty(frame_.extra_block + 1, BlockSystem::Storage::sparse);
-  sums_ = {empty, empty};
+  sums_ = {empty, empty, {}, {}};
   parts_.assign(kParts, sums_);
 }
 
@@ -169,46 +169,51 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
   system.add_prior(frame_.extra_block, extra_offset, extra);
 }
 
-Result<void> GlobalProblem::linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
-                                      const GlobalWeights& weights, GlobalStats& stats) {
+void GlobalProblem::begin(const GlobalWeights& weights) {
+  weights_ = weights;
   frame_.anchor = surfel_frame_.anchor = anchors_of(frame_.spline, odometry_.track);
   const int groups = (frame_.track->size() - 2) / kImuGroup;
-  std::vector<SurfelSums> near_sums(kParts), revisit_sums(kParts);
-  std::vector<Eigen::Vector2d> squares(kParts, Eigen::Vector2d::Zero());
+  parallel_each(kParts, thread_count(options_.threads), [&](std::size_t part, int) {
+    const int n = static_cast<int>(kParts), p = static_cast<int>(part);
+    Sums& sums = parts_[part];
+    sums.chain.clear(), sums.coupling.clear();
+    sums.near = sums.revisits = {}, sums.squares.setZero();
+    add_inertial(groups * p / n, groups * (p + 1) / n, sums.chain, sums.squares);
+  });
+}
+
+void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const SurfelMatch> near,
+                                std::span<const SurfelMatch> revisits) {
   const auto slice = [](auto all, std::size_t part) {
     const std::size_t begin = all.size() * part / kParts, end = all.size() * (part + 1) / kParts;
     return all.subspan(begin, end - begin);
   };
-  RAYFIELD_CHECK(parallel_for(kParts, thread_count(options_.threads), [&](std::size_t part, int) -> Result<void> {
-    const int n = static_cast<int>(kParts), p = static_cast<int>(part);
-    auto& [chain, coupling] = parts_[part];
-    chain.clear(), coupling.clear();
-    add_inertial(groups * p / n, groups * (p + 1) / n, chain, squares[part]);
-    SurfelWeights surfel_weights{options_.match.sigma_m, options_.match.last_cauchy, 0.0, weights.share};
-    near_sums[part] =
-        add_surfel_terms(surfel_frame_, odometry_.surfels, slice(near, part), surfel_weights, chain, chain);
-    surfel_weights.slack_m = weights.slack_m;
-    revisit_sums[part] =
-        add_surfel_terms(surfel_frame_, odometry_.surfels, slice(revisits, part), surfel_weights, chain, coupling);
-    return {};
-  }));
-  sums_.chain.clear(), sums_.coupling.clear();
-  for (const Sums& part : parts_) sums_.chain.add(part.chain), sums_.coupling.add(part.coupling);
-  if (weights.gps_slack > 0) add_gps(weights.gps_slack, sums_.chain, stats);
-  add_priors(weights.gps_slack > 0, sums_.chain);
+  parallel_each(kParts, thread_count(options_.threads), [&](std::size_t part, int) {
+    Sums& sums = parts_[part];
+    SurfelWeights weights{options_.match.sigma_m, options_.match.last_cauchy, 0.0, weights_.share};
+    sums.near.add(add_surfel_terms(surfel_frame_, surfels, slice(near, part), weights, sums.chain, sums.chain));
+    weights.slack_m = weights_.slack_m;
+    sums.revisits.add(
+        add_surfel_terms(surfel_frame_, surfels, slice(revisits, part), weights, sums.chain, sums.coupling));
+  });
+}
 
-  const auto together = [](const std::vector<SurfelSums>& parts) {
-    SurfelSums sum;
-    for (const SurfelSums& part : parts) sum.add(part);
-    return ResidualStats{sum.matches, sum.rms_m()};
-  };
-  stats.near_surfels = together(near_sums), stats.revisit_surfels = together(revisit_sums);
-  Eigen::Vector2d total = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& s : squares) total += s;
+void GlobalProblem::end(GlobalStats& stats) {
+  sums_.chain.clear(), sums_.coupling.clear();
+  sums_.near = sums_.revisits = {}, sums_.squares.setZero();
+  for (const Sums& part : parts_) {
+    sums_.chain.add(part.chain), sums_.coupling.add(part.coupling);
+    sums_.near.add(part.near), sums_.revisits.add(part.revisits), sums_.squares += part.squares;
+  }
+  if (weights_.gps_slack > 0) add_gps(weights_.gps_slack, sums_.chain, stats);
+  add_priors(weights_.gps_slack > 0, sums_.chain);
+
+  stats.near_surfels = {sums_.near.matches, sums_.near.rms_m()};
+  stats.revisit_surfels = {sums_.revisits.matches, sums_.revisits.rms_m()};
+  const int groups = (frame_.track->size() - 2) / kImuGroup;
   const std::uint64_t count = static_cast<std::uint64_t>(groups);
-  stats.gyro_rad_s = {count, std::sqrt(total[0] / std::max(1, 3 * groups))};
-  stats.accel_m_s2 = {count, std::sqrt(total[1] / std::max(1, 3 * groups))};
-  return {};
+  stats.gyro_rad_s = {count, std::sqrt(sums_.squares[0] / std::max(1, 3 * groups))};
+  stats.accel_m_s2 = {count, std::sqrt(sums_.squares[1] / std::max(1, 3 * groups))};
 }
 
 Result<double> GlobalProblem::solve_and_apply() {
@@ -221,21 +226,13 @@ Result<double> GlobalProblem::solve_and_apply() {
     gyro_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k));
     accel_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k) + 3);
   }
-  const Eigen::Vector2d offsets = x.segment<2>(6 * frame_.extra_block + 2);
-  offsets_ += offsets;
-  if (offsets[0] != 0 || offsets[1] != 0) rotate_surfels(offsets[0], offsets[1]);
+  offsets_ += x.segment<2>(6 * frame_.extra_block + 2);
   for (InertialNode& node : odometry_.inertial) node.state = inertial_at(bias_weights(node.time_s));
   return largest;
 }
 
-void GlobalProblem::rotate_surfels(double lidar_offset_s, double spinner_offset_rad) {
-  for (Surfel& s : odometry_.surfels) {
-    s.time_s = std::clamp(s.time_s + lidar_offset_s, 0.0, odometry_.track.end_s());
-    const double angle = spinner_offset_rad + lidar_offset_s * static_cast<double>(s.spin_rate_rad_s);
-    const Eigen::Quaterniond turn = exp_so3(angle * surfel_frame_.spin_axis);
-    s.center = (turn * (s.center.cast<double>() - surfel_frame_.spin_origin) + surfel_frame_.spin_origin).cast<float>();
-    s.normal = (turn * s.normal.cast<double>()).cast<float>();
-  }
+SurfelOffsets GlobalProblem::surfel_offsets() const {
+  return {offsets_[0], offsets_[1], surfel_frame_.spin_axis, surfel_frame_.spin_origin};
 }
 
 // Mean residuals of gyroscope and accelerometer over stretches of five seconds against their standard deviations. Turns

@@ -8,6 +8,8 @@
 #include "rayfield/core/parallel.h"
 #include "residuals.h"
 #include "surfel_match.h"
+#include "surfel_regions.h"
+#include "window.h"
 
 namespace rayfield::slam {
 
@@ -25,15 +27,20 @@ class GlobalProblem {
   GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes, const Rig& rig,
                 const SlamOptions& options, double knot_step_s, const Eigen::Vector2d& offsets);
 
-  /// Builds the system at the present trajectory and fills the residual statistics.
-  Result<void> linearise(std::span<const SurfelMatch> near, std::span<const SurfelMatch> revisits,
-                         const GlobalWeights& weights, GlobalStats& stats);
+  /// Builds the system at the present trajectory: begin(), the surfels of all regions, end(), which fills the residual
+  /// statistics. What is added depends on the order of the regions, not on the number of threads.
+  void begin(const GlobalWeights& weights);
+  void add_surfels(std::span<const Surfel> surfels, std::span<const SurfelMatch> near,
+                   std::span<const SurfelMatch> revisits);
+  void end(GlobalStats& stats);
 
   /// Solves the system and moves trajectory, biases and offsets. Returns the largest move of a knot, less yaw and
   /// translation of the whole, m.
   Result<double> solve_and_apply();
 
   const Eigen::Vector2d& offsets() const { return offsets_; }
+  /// The same for surfels as they were made.
+  SurfelOffsets surfel_offsets() const;
   double knot_step_s() const { return knot_step_s_; }
 
   /// Where the trajectory contradicts the IMU most: a map that is torn, lanes taken for one another, shows here.
@@ -48,7 +55,6 @@ class GlobalProblem {
   void add_inertial(int first_group, int last_group, BlockSystem& system, Eigen::Vector2d& squares) const;
   void add_gps(double slack, BlockSystem& system, GlobalStats& stats) const;
   void add_priors(bool use_gps, BlockSystem& system) const;
-  void rotate_surfels(double lidar_offset_s, double spinner_offset_rad);
 
   OdometryResult& odometry_;
   const ImuGrid& imu_;
@@ -64,8 +70,11 @@ class GlobalProblem {
   // The normal equations: those of the chain with what revisits do to either side, and what ties their two sides.
   struct Sums {
     BlockSystem chain, coupling;
+    SurfelSums near, revisits;
+    Eigen::Vector2d squares = Eigen::Vector2d::Zero();  // of the residuals of gyroscope and accelerometer
   };
   Sums sums_;
+  GlobalWeights weights_;
   std::vector<Sums> parts_;  // partial sums, kept for their sparsity pattern
 };
 

@@ -16,7 +16,6 @@ namespace {
 constexpr double kGravity = 9.80665;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
 constexpr double kReuse = 3;             // matches that share the error of a surfel
-constexpr double kThinning = 0.8;        // of the rank up to which surfels are kept, each time they become too many
 constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -24,7 +23,7 @@ double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock:
 }  // namespace
 
 Odometry::Odometry(const Rig& rig, const SlamOptions& options, double epoch_s)
-    : rig_(rig), options_(options), imu_(epoch_s, 0.01) {
+    : rig_(rig), options_(options), imu_(epoch_s, 0.01), out_{.surfels = SurfelFile(options.scratch_directory())} {
   out_.epoch_s = epoch_s;
   out_.track.step_s = imu_.step_s();
   out_.noise.gyro_density = rig.imu.gyro_noise_rad_s_sqrt_hz;
@@ -66,7 +65,7 @@ void Odometry::integrate_to(int last_sample) {
   }
 }
 
-void Odometry::extract_to(double time_s) {
+Result<void> Odometry::extract_to(double time_s) {
   const double begin = now_s();
   const double bin = options_.surfels.time_bin_s;
   while (!pending_.empty() && static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) {
@@ -79,46 +78,33 @@ void Odometry::extract_to(double time_s) {
       points.resize(limit);
     }
     out_.points_used += points.size();
-    bin_begin_.push_back(out_.surfels.size());
     const std::vector<Surfel> found =
         extract_surfels(points, out_.track, options_.surfels, thread_count(options_.threads));
-    out_.surfels.insert(out_.surfels.end(), found.begin(), found.end());
+    RAYFIELD_CHECK(out_.surfels.append(found));
+    newest_.insert(newest_.end(), found.begin(), found.end());
+    newest_bins_.push_back({extracted_bins_, found.size()});
     pending_.erase(pending_.begin());
     ++extracted_bins_;
   }
-  while (static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) {  // no points at all
-    bin_begin_.push_back(out_.surfels.size());
-    ++extracted_bins_;
-  }
+  while (static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) ++extracted_bins_;  // no points at all
   out_.extract_seconds += now_s() - begin;
-}
-
-// Drops surfels of the bins before `end_bin` whose rank is too high.
-void Odometry::thin(std::size_t end_bin) {
-  std::size_t kept = 0;
-  const auto begin_of = [this](std::size_t bin) {
-    return bin < bin_begin_.size() ? bin_begin_[bin] : out_.surfels.size();
-  };
-  for (std::size_t bin = 0; bin < bin_begin_.size(); ++bin) {
-    const std::size_t begin = begin_of(bin), end = begin_of(bin + 1);
-    bin_begin_[bin] = kept;
-    for (std::size_t k = begin; k < end; ++k)
-      if (bin >= end_bin || thinning_rank(out_.surfels[k], out_.track) < kept_rank_)
-        out_.surfels[kept++] = out_.surfels[k];
-  }
-  out_.surfels.resize(kept);
+  return {};
 }
 
 Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   const double begin = now_s();
   const double dt = out_.track.step_s;
-  const std::size_t bin = static_cast<std::size_t>(first_sample * dt / options_.surfels.time_bin_s + 1e-9);
-  const std::size_t from = bin < bin_begin_.size() ? bin_begin_[bin] : out_.surfels.size();
+  // Windows never begin earlier than the one before.
+  const auto first_bin = static_cast<std::int64_t>(first_sample * dt / options_.surfels.time_bin_s + 1e-9);
+  std::size_t past = 0;
+  for (; !newest_bins_.empty() && newest_bins_.front().index < first_bin; newest_bins_.pop_front())
+    past += newest_bins_.front().count;
+  newest_.erase(newest_.begin(), newest_.begin() + static_cast<std::ptrdiff_t>(past));
   WindowPrior prior;
   prior.first = first;
   prior.covariance = inertial_covariance_;
-  RAYFIELD_ASSIGN(WindowStats stats, solve_window(out_.track, imu_, std::span(out_.surfels).subspan(from), options_,
-                                                  out_.noise, prior, first_sample, last_sample, state_));
+  RAYFIELD_ASSIGN(WindowStats stats, solve_window(out_.track, imu_, newest_, options_, out_.noise, prior, first_sample,
+                                                  last_sample, state_));
   // Windows overlap: a datum is used length/advance times, so only that share of the information gained is kept, and
   // less still, because a surface that is matched with several bins has the same error in all of them.
   const double reuse = first ? 1.0 : kReuse * options_.window.length_s / options_.window.advance_s;
@@ -155,7 +141,7 @@ Result<void> Odometry::start() {
   out_.track.position = {Eigen::Vector3d::Zero()};
   if (guess.stationary_s == 0) RAYFIELD_CHECK(start_in_motion(last));
   integrate_to(last);
-  extract_to(options_.window.length_s);
+  RAYFIELD_CHECK(extract_to(options_.window.length_s));
   RAYFIELD_CHECK(solve(0, last, true));
   done_s_ = options_.window.length_s;
   started_ = true;
@@ -188,14 +174,9 @@ Result<void> Odometry::step(double window_end_s) {
   const int last = static_cast<int>(std::lround(window_end_s / dt));
   const int first = static_cast<int>(std::lround((window_end_s - options_.window.length_s) / dt));
   integrate_to(last);
-  extract_to(window_end_s);
+  RAYFIELD_CHECK(extract_to(window_end_s));
   RAYFIELD_CHECK(solve(std::max(0, first), last, false));
   done_s_ = window_end_s;
-  if (out_.surfels.size() > static_cast<std::size_t>(options_.max_surfels)) {
-    kept_rank_ *= kThinning;
-    thin(static_cast<std::size_t>(std::max(0.0, (window_end_s - options_.window.length_s)) /
-                                  options_.surfels.time_bin_s));
-  }
   return {};
 }
 
@@ -206,8 +187,8 @@ Result<void> Odometry::last_step() {
   const int first = last - static_cast<int>(std::lround(options_.window.length_s / dt));
   if (last < out_.track.size() + 2) return {};
   integrate_to(last);
-  extract_to((static_cast<double>(extracted_bins_ + static_cast<std::int64_t>(pending_.size()))) *
-             options_.surfels.time_bin_s);
+  RAYFIELD_CHECK(extract_to((static_cast<double>(extracted_bins_ + static_cast<std::int64_t>(pending_.size()))) *
+                            options_.surfels.time_bin_s));
   return solve(std::max(0, first), last, false);
 }
 
@@ -230,7 +211,6 @@ Result<OdometryResult> Odometry::finish() {
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "log",
                 fmt::format("only {:.1f} s of IMU and lidar data overlap, at least {:.1f} s are needed",
                             std::max(0.0, std::min(imu_.end_s(), lidar_end_s_)), options_.window.length_s));
-  if (kept_rank_ < 1) thin(bin_begin_.size());
   // The first windows saw only the beginning of a longer rest.
   if (out_.start.stationary_s > 0) out_.start.stationary_s = guess_start(imu_, imu_.size()).stationary_s;
   return std::move(out_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "imu_grid.h"
@@ -8,7 +9,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/slam/options.h"
-#include "surfel.h"
+#include "surfel_file.h"
 #include "window.h"
 
 namespace rayfield::slam {
@@ -29,7 +30,7 @@ struct StartInfo {
 struct OdometryResult {
   double epoch_s = 0;
   PoseTrack track;
-  std::vector<Surfel> surfels;  ///< sorted by time bin
+  SurfelFile surfels;
   std::vector<InertialNode> inertial;
   std::vector<WindowStats> windows;
   StartInfo start;
@@ -64,8 +65,7 @@ class Odometry {
   Result<void> step(double window_end_s);
   Result<void> last_step();
   void integrate_to(int last_sample);
-  void extract_to(double time_s);
-  void thin(std::size_t end_bin);
+  Result<void> extract_to(double time_s);
   Result<void> solve(int first_sample, int last_sample, bool first);
 
   Rig rig_;
@@ -75,9 +75,14 @@ class Odometry {
   double done_s_ = 0;        // the trajectory is solved up to here
   double lidar_end_s_ = -1;  // time of the newest point
   std::int64_t extracted_bins_ = 0;
-  double kept_rank_ = 1;                                         // surfels of higher thinning_rank() are dropped
-  std::vector<std::vector<BodyPoint>> pending_;                  // points by bin, from bin extracted_bins_ on
-  std::vector<std::size_t> bin_begin_;                           // index of the first surfel of each bin
+  std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
+  // The surfels of the newest bins, as many as a window may need.
+  struct Bin {
+    std::int64_t index = 0;
+    std::size_t count = 0;
+  };
+  std::vector<Surfel> newest_;
+  std::deque<Bin> newest_bins_;
   std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until the drive has started
   InertialState state_;
   Matrix8d inertial_covariance_ = Matrix8d::Identity();

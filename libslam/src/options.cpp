@@ -83,8 +83,11 @@ Result<void> SlamOptions::validate() const {
   RAYFIELD_CHECK(in_range("degenerate_sigma_m", degenerate_sigma_m, 1e-3, 10));
   RAYFIELD_CHECK(in_range("max_thickness_m", max_thickness_m, 1e-3, 10));
   RAYFIELD_CHECK(in_range("max_imu_gap_s", max_imu_gap_s, 0.02, 5));
-  RAYFIELD_CHECK(in_range("max_points_per_bin", max_points_per_bin, 1000, 1e7));
-  return in_range("max_surfels", max_surfels, 50'000, 100'000'000);
+  return in_range("max_points_per_bin", max_points_per_bin, 1000, 1e7);
+}
+
+std::filesystem::path SlamOptions::scratch_directory() const {
+  return scratch.empty() ? std::filesystem::temp_directory_path() : std::filesystem::path(scratch);
 }
 
 }  // namespace rayfield::slam

@@ -162,15 +162,4 @@ std::vector<Surfel> extract_surfels(std::span<const BodyPoint> points, const Pos
   return out;
 }
 
-double thinning_rank(const Surfel& surfel, const PoseTrack& track) {
-  constexpr double kColumn = 3.0;         // m: more than drives are apart before revisits are found
-  constexpr double kUprightShare = 0.25;  // upright surfaces outlast this much of the ground
-  const Rigid3 pose = track.pose(surfel.time_s);
-  const Eigen::Vector3d place = pose * surfel.center.cast<double>() / kColumn;
-  const bool upright = 1 - std::abs((pose.rotation * surfel.normal.cast<double>()).z()) > kUpright;
-  const std::uint64_t hash =
-      cell_hash(static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y())), 0);
-  return (upright ? kUprightShare : 1.0) * std::ldexp(static_cast<double>(hash >> 11), -53);
-}
-
 }  // namespace rayfield::slam

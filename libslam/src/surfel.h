@@ -35,8 +35,4 @@ struct Surfel {
 std::vector<Surfel> extract_surfels(std::span<const BodyPoint> points, const PoseTrack& track,
                                     const SurfelOptions& options, int threads = 1);
 
-/// Where a surfel stands in the order in which long drives lose theirs, 0–1: those of one column of the world (3 m)
-/// stand together, so that what is left is still seen at every visit. Ground goes first, as it does within a bin.
-double thinning_rank(const Surfel& surfel, const PoseTrack& track);
-
 }  // namespace rayfield::slam

@@ -16,6 +16,24 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kChunk = 4096;
 constexpr std::size_t kCellsPerTask = 128;
 
+// What surrounds the surfels whose matches are wanted.
+struct Bounds {
+  Eigen::Array2f low = Eigen::Array2f::Constant(-std::numeric_limits<float>::infinity()), high = -low;
+  bool contain(float x, float y) const { return x >= low.x() && x <= high.x() && y >= low.y() && y <= high.y(); }
+};
+
+Bounds bounds_of(std::span<const PlacedSurfel> surfels, std::span<const std::uint8_t> own) {
+  Bounds bounds;
+  if (own.empty()) return bounds;
+  std::swap(bounds.low, bounds.high);
+  for (std::size_t k = 0; k < surfels.size(); ++k)
+    if (own[k] != 0) {
+      bounds.low = bounds.low.min(surfels[k].center.head<2>().array());
+      bounds.high = bounds.high.max(surfels[k].center.head<2>().array());
+    }
+  return bounds;
+}
+
 // Surfels of one level sorted by grid cell (z, then y, then x) in columns: the cells that a query has to look into are
 // nine rows of three, each of them contiguous in memory, and distances to a row are taken with vector instructions.
 class CellIndex {
@@ -46,10 +64,10 @@ class CellIndex {
 
   std::size_t cells() const { return cells_.size(); }
 
-  // Finds the nearest of every surfel in the cells [first, end); out and what it holds are indices into the surfels
-  // given.
-  void search(std::size_t first, std::size_t end, const MatchQuery& query, float radius_m, std::vector<float>& scratch,
-              std::vector<std::uint32_t>& out) const {
+  // Finds the nearest of every surfel within bounds in the cells [first, end); out and what it holds are indices into
+  // the surfels given.
+  void search(std::size_t first, std::size_t end, const MatchQuery& query, float radius_m, const Bounds& bounds,
+              std::vector<float>& scratch, std::vector<std::uint32_t>& out) const {
     std::array<Row, 9> rows;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       rows[r].y = kRows[r][0], rows[r].z = kRows[r][1];
@@ -68,7 +86,8 @@ class CellIndex {
         if (scratch.size() < row.count) scratch.resize(row.count);
       }
       for (std::uint32_t self = cells_[cell].begin; self < cells_[cell].end; ++self)
-        out[surfel_[self]] = nearest(self, key, rows, query, radius_m, scratch);
+        if (bounds.contain(columns_[0][self], columns_[1][self]))
+          out[surfel_[self]] = nearest(self, key, rows, query, radius_m, scratch);
     }
   }
 
@@ -171,7 +190,7 @@ std::vector<PlacedSurfel> place_surfels(std::span<const Surfel> surfels, const P
 }
 
 std::vector<SurfelMatch> mutual_matches(std::span<const PlacedSurfel> surfels, std::span<const double> voxel_size_m,
-                                        const MatchQuery& query, int threads) {
+                                        const MatchQuery& query, int threads, std::span<const std::uint8_t> own) {
   const std::size_t levels = voxel_size_m.size();
   const auto radius = [&](std::size_t level) {
     return std::min(query.radius_voxels * voxel_size_m[level], query.max_radius_m);
@@ -184,18 +203,21 @@ std::vector<SurfelMatch> mutual_matches(std::span<const PlacedSurfel> surfels, s
   for (std::size_t level = 0; level < levels; ++level)
     for (std::size_t cell = 0; cell < index[level]->cells(); cell += kCellsPerTask) tasks.emplace_back(level, cell);
   std::vector<std::uint32_t> nearest(surfels.size(), kNone);
+  const Bounds wanted = bounds_of(surfels, own);
   std::vector<std::vector<float>> scratch(static_cast<std::size_t>(std::max(1, threads)));
   parallel_each(tasks.size(), threads, [&](std::size_t task, int worker) {
     const auto [level, first] = tasks[task];
     const std::size_t end = std::min(index[level]->cells(), first + kCellsPerTask);
-    index[level]->search(first, end, query, static_cast<float>(radius(level)),
+    const auto reach = static_cast<float>(radius(level));
+    index[level]->search(first, end, query, reach, {wanted.low - reach, wanted.high + reach},
                          scratch[static_cast<std::size_t>(worker)], nearest);
   });
   const double max_variance = query.max_thickness_m * query.max_thickness_m;
   const auto thin = [&](std::uint32_t k) { return static_cast<double>(surfels[k].variance_m2) <= max_variance; };
   std::vector<SurfelMatch> matches;
   for (std::uint32_t k = 0; k < nearest.size(); ++k)
-    if (nearest[k] != kNone && nearest[k] > k && nearest[nearest[k]] == k && thin(k) && thin(nearest[k]))
+    if (nearest[k] != kNone && nearest[k] > k && nearest[nearest[k]] == k && (own.empty() || own[k] != 0) && thin(k) &&
+        thin(nearest[k]))
       matches.push_back({k, nearest[k]});
   return matches;
 }

@@ -39,7 +39,8 @@ std::vector<PlacedSurfel> place_surfels(std::span<const Surfel> surfels, const P
 
 /// Mutual nearest neighbours in position–normal space, d² = |Δx|² + (normal_scale·|Δn|)², within each level and with
 /// the time difference asked for. Ties go to the lower index; the result is sorted and does not depend on `threads`.
+/// With `own` (one per surfel) only matches whose first surfel is own are given.
 std::vector<SurfelMatch> mutual_matches(std::span<const PlacedSurfel> surfels, std::span<const double> voxel_size_m,
-                                        const MatchQuery& query, int threads);
+                                        const MatchQuery& query, int threads, std::span<const std::uint8_t> own = {});
 
 }  // namespace rayfield::slam

@@ -168,6 +168,11 @@ Result<TemporaryFile> create_temporary(const std::filesystem::path& directory) {
   return temporary;
 }
 
+Result<SpillFile::Extent> put_aside(SpillFile& spill, std::span<const std::byte> bytes) {
+  if (const int error = fault::point("spill")) return fail_io(error, "cannot write", "tmp");
+  return spill.append(bytes);
+}
+
 Result<void> reserve_space(const Fd& file, std::uint64_t size, const std::filesystem::path& path) {
   if (size == 0) return {};
   if (const int error = fault::point("allocate")) return fail_io(error, "cannot write", path);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rayfield/core/result.h"
+#include "rayfield/core/spill_file.h"
 
 /// POSIX file operations in which every return value is checked. Paths in errors are as given.
 namespace rayfield::tile {
@@ -61,6 +62,9 @@ struct TemporaryFile {
   std::filesystem::path path;
 };
 Result<TemporaryFile> create_temporary(const std::filesystem::path& directory);
+
+/// SpillFile::append() with a point at which tests make it fail.
+Result<SpillFile::Extent> put_aside(SpillFile& spill, std::span<const std::byte> bytes);
 
 /// Reserves disk space for a file of that size, so that a full disk shows before anything is written. File systems
 /// that cannot reserve are taken at their word when they are written to.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "file_io.h"
+
 namespace rayfield::tile {
 namespace {
 
@@ -75,7 +77,7 @@ Result<void> TileBuffers::spill() {
   std::vector<Piece> pieces;
   const auto flush = [&]() -> Result<void> {
     if (buffer.empty()) return {};
-    RAYFIELD_ASSIGN(const SpillFile::Extent extent, spill_.append(std::as_bytes(std::span(buffer))));
+    RAYFIELD_ASSIGN(const SpillFile::Extent extent, put_aside(spill_, std::as_bytes(std::span(buffer))));
     for (const Piece& piece : pieces)
       piece.tile->pending.spilled.push_back(
           {extent.offset + piece.begin * sizeof(RayRecord), piece.count * sizeof(RayRecord)});

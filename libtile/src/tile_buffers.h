@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "clip_batch.h"
+#include "rayfield/core/spill_file.h"
 #include "record_arena.h"
-#include "spill_file.h"
 
 namespace rayfield::tile {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "file_io.h"
 #include "tile_file.h"
 
 namespace rayfield::tile {
@@ -21,7 +22,7 @@ Result<std::optional<std::uint32_t>> TileOutput::put(std::uint32_t tile, TileInd
     if (keep) in_memory_ += encoded.bytes.size();
   }
   if (!keep) {
-    RAYFIELD_ASSIGN(spilled, spill_.append(encoded.bytes));
+    RAYFIELD_ASSIGN(spilled, put_aside(spill_, encoded.bytes));
     encoded.bytes = {};
   }
   const std::lock_guard lock(mutex_);

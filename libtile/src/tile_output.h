@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "chunk_codec.h"
+#include "rayfield/core/spill_file.h"
 #include "rayfield/tile/snapshot.h"
-#include "spill_file.h"
 
 namespace rayfield::tile {
 

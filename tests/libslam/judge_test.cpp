@@ -44,7 +44,9 @@ VisitMisfit misfit_of_visits(const PoseTrack& track, const Off& off) {
     surfels.push_back(ground(track, t + 100, 0.15 * k, 2, off(t)));
     revisits.push_back({static_cast<std::uint32_t>(2 * k), static_cast<std::uint32_t>(2 * k + 1)});
   }
-  return visit_misfit(track, surfels, revisits);
+  VisitSurvey survey(track.end_s());
+  survey.add(track, surfels, revisits);
+  return survey.misfit();
 }
 
 TEST(VisitMisfit, IsTheSpreadOfTheSurfacesWhereAllVisitsAgree) {
@@ -70,24 +72,26 @@ TEST(VisitMisfit, StandsOutWhereALaneLiesOnOtherGround) {
 TEST(VisitMisfit, SaysNothingOfADriveWithHardlyAnyRevisit) {
   const PoseTrack track = straight_track(200, 1.5);
   const std::vector<Surfel> surfels = {ground(track, 10, 0, 0, 0), ground(track, 120, 0, 0, 1)};
-  EXPECT_EQ(visit_misfit(track, surfels, std::vector<SurfelMatch>{{0, 1}}).typical_m, 0);
-  EXPECT_EQ(visit_misfit(track, surfels, {}).typical_m, 0);
+  VisitSurvey survey(track.end_s());
+  EXPECT_EQ(survey.misfit().typical_m, 0);
+  EXPECT_EQ(survey.thickness_m(), 0);
+  survey.add(track, surfels, std::vector<SurfelMatch>{{0, 1}});
+  EXPECT_EQ(survey.misfit().typical_m, 0);
 }
 
-TEST(ThinningRank, IsOneForAPlaceAtEveryVisitAndLowerForUprightSurfaces) {
-  const PoseTrack track = straight_track(100, 1.5);
-  int kept = 0;
-  for (int k = 0; k < 2000; ++k) {
-    const double x = 3.0 * k + 0.7, y = -2.0 * k + 0.3;
-    const Surfel first = ground(track, 5, x, y, 0.1), later = ground(track, 90, x + 0.4, y + 0.4, 0.3);
-    Surfel post = first;
-    post.normal = Eigen::Vector3f::UnitX();
-    const double rank = thinning_rank(first, track);
-    EXPECT_EQ(rank, thinning_rank(later, track));
-    EXPECT_EQ(thinning_rank(post, track), 0.25 * rank);
-    kept += rank < 0.4;
-  }
-  EXPECT_NEAR(kept, 800, 100);
+TEST(OffsetHistogram, HasTheQuantilesOfWhatItWasGiven) {
+  std::mt19937_64 random(7);
+  std::exponential_distribution<double> offset(1 / 0.004);
+  OffsetHistogram histogram;
+  EXPECT_EQ(histogram.quantile(0.5), 0);
+  for (int k = 0; k < 200000; ++k) histogram.add(offset(random));
+  EXPECT_EQ(histogram.count(), 200000u);
+  for (const double share : {0.1, 0.5, 0.9, 0.99})
+    EXPECT_NEAR(histogram.quantile(share) / (-0.004 * std::log(1 - share)), 1, 0.02) << share;
+  OffsetHistogram extremes;
+  extremes.add(0), extremes.add(0), extremes.add(1e6);
+  EXPECT_LT(extremes.quantile(0.5), 2e-6);
+  EXPECT_NEAR(extremes.quantile(1), 2.5, 0.1);
 }
 
 // A drive straight on with an IMU of the noise that the rig states, and what the path says against it.
@@ -120,7 +124,7 @@ struct StraightDrive {
     Eigen::Vector2d offsets(0, 0);
     GlobalProblem problem(drive.odometry, *drive.imu, {}, rig, options, 1.0, offsets);
     GlobalStats stats;
-    EXPECT_TRUE(problem.linearise({}, {}, {}, stats));
+    problem.begin({}), problem.end(stats);
     problem.measure_imu_misfit(stats);
     return stats;
   }

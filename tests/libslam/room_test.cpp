@@ -86,20 +86,6 @@ TEST(NoiseFreeRoom, IsRecoveredWithAFixedMultiBeamLidar) {
   EXPECT_LT(compare(result->trajectory, 6).rms_m, 0.005);
 }
 
-TEST(NoiseFreeRoom, IsRecoveredFromTheSurfelsThatALongDriveMayKeep) {
-  RoomOptions room;
-  room.duration_s = 60;
-  const auto whole = reconstruct(room, 2);
-  SlamOptions options;
-  options.max_surfels = 50'000;
-  const auto thinned = reconstruct(room, 2, "", options);
-  ASSERT_TRUE(whole && thinned);
-  EXPECT_GT(whole->report.surfels, 60'000u);
-  EXPECT_LE(thinned->report.surfels, 50'000u);
-  EXPECT_GT(thinned->report.surfels, 25'000u);
-  EXPECT_LT(compare(thinned->trajectory, room.rest_s).max_m, 0.005);
-}
-
 // A sample that is nonsense, as electric noise or a lost byte makes it: what it says must not enter the path.
 TEST(NoiseFreeRoom, IsRecoveredInSpiteOfSpikesOfTheImu) {
   RoomOptions room;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "rayfield/core/result.h"
@@ -93,10 +95,11 @@ struct SlamOptions {
   double max_thickness_m = 0.025;  ///< surfaces thicker than this after registration: the drive failed
   double max_imu_gap_s = 0.5;      ///< a longer gap ends the drive: no trajectory is made across it
   int max_points_per_bin = 30000;  ///< lidar points used per time bin; denser lidars are thinned evenly, ≥ 1000
-  /// Surfels of a drive that are kept, ≥ 50000: bounds memory (130 bytes each) and time. Of longer drives whole columns
-  /// of the world go, the same ones at every visit, and ground first.
-  int max_surfels = 6'000'000;
+  /// Folder for a temporary file without a name, which holds what does not fit in memory: 0.15 MB per second of
+  /// driving. Empty: that of the system, which may be in memory itself.
+  std::string scratch;
   int threads = 0;  ///< 0: all processors; does not change the result
+  std::filesystem::path scratch_directory() const;
   Result<void> validate() const;
 };
 

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+
+#include "rayfield/core/result.h"
+
+namespace rayfield {
+
+/// Bytes put aside on the disk while a command runs: a file that has no name any more, so that whatever ends the
+/// process also frees the space. Thread-safe but for clear(). Errors: resources, with the directory and what to do.
+class SpillFile {
+ public:
+  struct Extent {
+    std::uint64_t offset = 0, size = 0;
+  };
+
+  /// The file is created with the first append().
+  explicit SpillFile(std::filesystem::path directory) : directory_(std::move(directory)) {}
+  ~SpillFile();
+  SpillFile(const SpillFile&) = delete;
+  SpillFile& operator=(const SpillFile&) = delete;
+
+  Result<Extent> append(std::span<const std::byte> bytes);
+  /// Reads an extent. `bytes` has its size.
+  Result<void> read(const Extent& extent, std::span<std::byte> bytes) const;
+  /// Reads an extent and frees its space.
+  Result<void> take(const Extent& extent, std::span<std::byte> bytes);
+  /// Forgets everything and frees the space.
+  Result<void> clear();
+  std::uint64_t bytes_written() const { return end_.load(); }
+
+ private:
+  Result<void> open();
+
+  std::filesystem::path directory_;
+  std::mutex mutex_;
+  int file_ = -1;
+  std::atomic<std::uint64_t> end_{0};
+};
+
+}  // namespace rayfield
