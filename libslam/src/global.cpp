@@ -125,7 +125,7 @@ class Registration {
     problem_->measure_imu_misfit(stats_);
     use_knots(true);  // covariances need a factor of the whole system
     VisitSurvey survey(length_s());
-    RAYFIELD_CHECK(linearise(last.match, {0.0, 0.0, kIndependentShare}, &survey));
+    RAYFIELD_CHECK(linearise(last.match, {0.0, 0.0, true}, &survey));
     RAYFIELD_CHECK(problem_->measure_uncertainty(stats_));
     stats_.thickness_count = survey.count(), stats_.thickness_m = survey.thickness_m();
     stats_.linked_visits = survey.linked_visits(), stats_.visits = survey.misfit();

@@ -190,7 +190,10 @@ void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const
   };
   parallel_each(kParts, thread_count(options_.threads), [&](std::size_t part, int) {
     Sums& sums = parts_[part];
-    SurfelWeights weights{options_.match.sigma_m, options_.match.last_cauchy, 0.0, weights_.share};
+    const double cauchy = options_.match.last_cauchy;
+    SurfelWeights weights = weights_.cautious
+                                ? SurfelWeights{options_.match.sigma_m, cauchy, 0.0, 1.0, kIndependentShare}
+                                : SurfelWeights{options_.global.sigma_m, cauchy, 0.0, options_.global.layer_share, 1.0};
     sums.near.add(add_surfel_terms(surfel_frame_, surfels, slice(near, part), weights, sums.chain, sums.chain));
     weights.slack_m = weights_.slack_m;
     sums.revisits.add(

@@ -15,9 +15,9 @@ namespace rayfield::slam {
 
 /// What the data of an iteration count for.
 struct GlobalWeights {
-  double slack_m = 0;    ///< of revisits, see SurfelWeights
-  double gps_slack = 0;  ///< factor on the scale of the robust weights of fixes; 0 leaves GPS out
-  double share = 1;      ///< of surfels, see SurfelWeights
+  double slack_m = 0;     ///< of revisits, see SurfelWeights
+  double gps_slack = 0;   ///< factor on the scale of the robust weights of fixes; 0 leaves GPS out
+  bool cautious = false;  ///< surfels are weighted for uncertainties rather than for the solution
 };
 
 /// The normal equations of the global stage. Blocks: knots of the correction spline, bias nodes, one extra block.

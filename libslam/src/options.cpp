@@ -46,6 +46,8 @@ Result<void> WindowOptions::validate() const {
 }
 
 Result<void> GlobalOptions::validate() const {
+  RAYFIELD_CHECK(in_range("global.sigma_m", sigma_m, 1e-4, 1));
+  RAYFIELD_CHECK(in_range("global.layer_share", layer_share, 0, 1));
   RAYFIELD_CHECK(in_range("global.knot_step_s", knot_step_s, 0.2, 2));
   RAYFIELD_CHECK(in_range("global.odometry_iterations", odometry_iterations, 0, 100));
   RAYFIELD_CHECK(in_range("global.revisit_iterations", revisit_iterations, 1, 100));

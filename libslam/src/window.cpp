@@ -121,8 +121,8 @@ SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> 
   for (const SurfelMatch& m : matches) {
     const Surfel &a = surfels[m.first], &b = surfels[m.second];
     const SurfelResidual r = surfel_residual(frame, a, b);
-    const double variance =
-        weights.sigma_m * weights.sigma_m + static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
+    const double layers = static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
+    const double variance = weights.sigma_m * weights.sigma_m + weights.layer_share * layers;
     const double square = r.error() * r.error();
     const double scale2 = weights.cauchy * weights.cauchy * variance + slack2;
     const double weight = weights.share / ((variance + slack2) * (1 + square / scale2));

@@ -63,6 +63,8 @@ struct SurfelWeights {
   /// √(cauchy²·variance + slack²). So whole lanes move that are further apart than their surfels are thick, and wrong
   /// matches do not outvote the IMU meanwhile.
   double slack_m = 0;
+  /// Part of the variance of the surfels' layers that counts: their centres are known better than that.
+  double layer_share = 1;
   /// Factor on all weights: how many independent ones a match counts for.
   double share = 1;
 };

@@ -65,6 +65,10 @@ struct GlobalOptions {
   /// Thicker surfaces (foliage) bring lanes near to each other, but the result does not rest on them: m, standard
   /// deviation, > 0.
   double max_revisit_thickness_m = 0.02;
+  /// Standard deviation of the offset between two surfels of one flat surface, m, > 0, and the part of the variance of
+  /// their layers that adds to it, 0–1: a centre is the mean of ten points or more. As measured; the uncertainties
+  /// reported take MatchOptions::sigma_m and all of the layers.
+  double sigma_m = 0.0025, layer_share = 0.1;
   double revisit_gap_s = 10.0;  ///< matches further apart in time are revisits, > the window's length
   /// Matches further apart than half of this are refused where GPS holds the drive: the next row looks the same.
   double row_spacing_m = 2.0;
