@@ -1,14 +1,13 @@
 #include "read_ahead.h"
 
-#include <condition_variable>
-#include <deque>
 #include <exception>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "hand_over.h"
 
 namespace rayfield::slam {
 namespace {
@@ -19,6 +18,7 @@ constexpr std::size_t kAhead = 8;             // batches that may wait
 
 using Message = std::variant<ImuSample, GpsFix, SpinnerAngle, LidarScan>;
 using Batch = std::vector<Message>;
+using Queue = HandOver<Batch>;
 
 void deliver(const Message& message, SensorSink& sink) {
   if (const auto* imu = std::get_if<ImuSample>(&message)) sink.imu(*imu);
@@ -26,46 +26,6 @@ void deliver(const Message& message, SensorSink& sink) {
   if (const auto* angle = std::get_if<SpinnerAngle>(&message)) sink.spinner(*angle);
   if (const auto* scan = std::get_if<LidarScan>(&message)) sink.lidar(*scan);
 }
-
-// The queue between the two threads.
-class Queue {
- public:
-  void push(Batch&& batch) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return batches_.size() < kAhead || abandoned_; });
-    if (!abandoned_) batches_.push_back(std::move(batch));
-    changed_.notify_all();
-  }
-  void end(Result<void> result) {
-    const std::scoped_lock lock(mutex_);
-    result_ = std::move(result);
-    changed_.notify_all();
-  }
-  /// The next batch; nothing at the end.
-  std::optional<Batch> pop() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !batches_.empty() || result_.has_value(); });
-    if (batches_.empty()) return std::nullopt;
-    Batch batch = std::move(batches_.front());
-    batches_.pop_front();
-    changed_.notify_all();
-    return batch;
-  }
-  /// Nobody will take anything more: what is pushed from now on is dropped.
-  void abandon() {
-    const std::scoped_lock lock(mutex_);
-    abandoned_ = true;
-    changed_.notify_all();
-  }
-  Result<void> result() const { return *result_; }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Batch> batches_;           // guarded by mutex_
-  std::optional<Result<void>> result_;  // guarded by mutex_ until it is there
-  bool abandoned_ = false;              // guarded by mutex_
-};
 
 // Collects messages into batches.
 class Collector : public SensorSink {
@@ -109,7 +69,7 @@ void produce(const LogReader& read, Queue& queue) {
 
 Result<void> read_ahead(const LogReader& read, SensorSink& sink, int threads) {
   if (threads <= 1) return read(sink);
-  Queue queue;
+  Queue queue(kAhead);
   std::thread reader([&] { produce(read, queue); });
   // Whatever ends this function, the reader must end first.
   struct Join {

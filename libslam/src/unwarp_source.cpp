@@ -1,10 +1,10 @@
-#include <condition_variable>
-#include <deque>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 
+#include "hand_over.h"
 #include "rayfield/slam/unwarp.h"
 #include "read_ahead.h"
 
@@ -27,7 +27,7 @@ class UnwarpSource : public RaySource {
 
   Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
     batch.clear();
-    if (!worker_.joinable() && !ended_) worker_ = std::thread([this] { produce(); });
+    if (!queue_) start();
     while (batch.size() < max_rays) {
       if (next_ == front_.size()) {
         RAYFIELD_ASSIGN(const bool more, pop());
@@ -43,8 +43,8 @@ class UnwarpSource : public RaySource {
 
   Result<bool> rewind() override {
     stop();
-    queue_.clear(), front_.clear();
-    next_ = 0, ended_ = false, stopping_ = false, done_.reset();
+    queue_.reset(), front_.clear();
+    next_ = 0;
     return true;
   }
 
@@ -56,56 +56,43 @@ class UnwarpSource : public RaySource {
   }
 
  private:
-  // The next batch into front_; false at the end of the log.
-  Result<bool> pop() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !queue_.empty() || done_.has_value(); });
-    if (queue_.empty()) {
-      ended_ = true;
-      if (!*done_) return tl::make_unexpected(done_->error());
-      return false;
-    }
-    front_ = std::move(queue_.front());
-    queue_.pop_front();
-    next_ = 0;
-    changed_.notify_all();
-    return true;
-  }
-
-  void produce() {
-    Result<void> result;
-    UnwarpCounts counts;
-    try {
-      Unwarper unwarper(rig_, *trajectory_, offsets_, [this](const RayBatch& batch) { return push(batch); });
-      result = read_ahead(read_, unwarper, 2);
-      const Result<void> finished = unwarper.finish();
-      if (result && !finished) result = finished;
-      counts = unwarper.counts();
-    } catch (const std::exception& e) {
-      result = fail(ErrorCode::internal, "cannot unwarp", name_, e.what());
-    }
-    const std::scoped_lock lock(mutex_);
-    counts_ = counts;
-    done_ = result;
-    changed_.notify_all();
-  }
-
-  Result<void> push(const RayBatch& batch) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return queue_.size() < kAhead || stopping_; });
-    if (stopping_) return fail(ErrorCode::interrupted, "stopped", name_, "the reader of the rays ended");
-    queue_.push_back(batch);
-    changed_.notify_all();
-    return {};
+  void start() {
+    queue_ = std::make_unique<HandOver<RayBatch>>(kAhead);
+    worker_ = std::thread([this] { queue_->end(produce()); });
   }
 
   void stop() {
+    if (queue_) queue_->abandon();
+    if (worker_.joinable()) worker_.join();
+  }
+
+  // The next batch into front_; false at the end of the log.
+  Result<bool> pop() {
+    std::optional<RayBatch> next = queue_->pop();
+    if (!next) {
+      RAYFIELD_CHECK(queue_->result());
+      return false;
+    }
+    front_ = std::move(*next);
+    next_ = 0;
+    return true;
+  }
+
+  // In the worker's thread.
+  Result<void> produce() try {
+    Unwarper unwarper(rig_, *trajectory_, offsets_, [this](const RayBatch& batch) -> Result<void> {
+      if (queue_->push(RayBatch(batch))) return {};
+      return fail(ErrorCode::interrupted, "stopped", name_, "the reader of the rays ended");
+    });
+    const Result<void> read = read_ahead(read_, unwarper, 2);
+    const Result<void> finished = unwarper.finish();
     {
       const std::scoped_lock lock(mutex_);
-      stopping_ = true;
-      changed_.notify_all();
+      counts_ = unwarper.counts();
     }
-    if (worker_.joinable()) worker_.join();
+    return read ? finished : read;
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::internal, "cannot unwarp", name_, e.what());
   }
 
   LogReader read_;
@@ -114,16 +101,12 @@ class UnwarpSource : public RaySource {
   SensorOffsets offsets_;
   std::string name_;
 
+  std::unique_ptr<HandOver<RayBatch>> queue_;  // while the log is read
   std::thread worker_;
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<RayBatch> queue_;        // guarded by mutex_
-  std::optional<Result<void>> done_;  // guarded by mutex_
-  UnwarpCounts counts_;               // guarded by mutex_
-  bool stopping_ = false;             // guarded by mutex_
+  UnwarpCounts counts_;  // guarded by mutex_
   RayBatch front_;
   std::size_t next_ = 0;
-  bool ended_ = false;
 };
 
 }  // namespace

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "rayfield/core/result.h"
+
+namespace rayfield::slam {
+
+/// A short queue from a thread that makes things to one that takes them.
+template <class T>
+class HandOver {
+ public:
+  /// At most `ahead` things wait.
+  explicit HandOver(std::size_t ahead) : ahead_(ahead) {}
+
+  /// Waits for room. False once nobody will take it.
+  bool push(T&& item) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return items_.size() < ahead_ || abandoned_; });
+    if (!abandoned_) items_.push_back(std::move(item));
+    changed_.notify_all();
+    return !abandoned_;
+  }
+  /// Nothing more will come, and why.
+  void end(Result<void> result) {
+    const std::scoped_lock lock(mutex_);
+    result_ = std::move(result);
+    changed_.notify_all();
+  }
+
+  /// Waits for the next; nothing at the end.
+  std::optional<T> pop() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !items_.empty() || result_.has_value(); });
+    if (items_.empty()) return std::nullopt;
+    T item = std::move(items_.front());
+    items_.pop_front();
+    changed_.notify_all();
+    return item;
+  }
+  /// Nobody will take anything more: what is pushed from now on is dropped.
+  void abandon() {
+    const std::scoped_lock lock(mutex_);
+    abandoned_ = true;
+    changed_.notify_all();
+  }
+  /// After the end.
+  Result<void> result() const { return *result_; }
+
+ private:
+  const std::size_t ahead_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<T> items_;                 // guarded by mutex_
+  std::optional<Result<void>> result_;  // guarded by mutex_ until it is there
+  bool abandoned_ = false;              // guarded by mutex_
+};
+
+}  // namespace rayfield::slam
