@@ -16,11 +16,12 @@ constexpr double kStillSpinner = 0.5;      // rad that a spinner must turn in a 
 
 }  // namespace
 
-DriveInput::DriveInput(const Rig& rig, const SlamOptions& options, Progress& progress)
-    : rig_(rig),
-      options_(options),
-      progress_(progress),
-      assembler_(std::make_unique<LidarAssembler>(rig, rig.lidar_offset_s, 0.0)) {}
+DriveInput::DriveInput(const Rig& rig, const SensorOffsets& known, const SlamOptions& options, Progress& progress)
+    : rig_(rig), known_(known), options_(options), progress_(progress), assembler_(new_assembler()) {}
+
+std::unique_ptr<LidarAssembler> DriveInput::new_assembler() const {
+  return std::make_unique<LidarAssembler>(rig_, rig_.lidar_offset_s + known_.lidar_s, known_.spinner_rad);
+}
 
 void DriveInput::imu(const ImuSample& sample) {
   ++imu_count_;
@@ -85,7 +86,7 @@ void DriveInput::spinner(const SpinnerAngle& angle) {
 void DriveInput::lidar(const LidarScan& scan) {
   ++scans_;
   if (error_) return;
-  const double time = scan.time_s + rig_.lidar_offset_s;
+  const double time = scan.time_s + rig_.lidar_offset_s + known_.lidar_s;
   if (last_imu_ && !(std::abs(time - last_imu_->time_s) < kClockAgreement)) return;
   if (!first_lidar_s_) first_lidar_s_ = time;
   assembler_->add(scan);
@@ -125,7 +126,7 @@ void DriveInput::end_drive() {
     }
   }
   odometry_.reset();
-  assembler_ = std::make_unique<LidarAssembler>(rig_, rig_.lidar_offset_s, 0.0);
+  assembler_ = new_assembler();
   first_lidar_s_.reset(), suspect_.reset(), last_imu_.reset();
 }
 

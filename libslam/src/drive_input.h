@@ -11,6 +11,7 @@
 #include "rayfield/core/map_frame.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/core/sensor_log.h"
+#include "rayfield/slam/unwarp.h"
 #include "spike_filter.h"
 
 namespace rayfield::slam {
@@ -27,7 +28,8 @@ struct Drive {
 /// is kept.
 class DriveInput : public SensorSink {
  public:
-  DriveInput(const Rig& rig, const SlamOptions& options, Progress& progress);
+  /// `known`: offsets that come on top of the rig's.
+  DriveInput(const Rig& rig, const SensorOffsets& known, const SlamOptions& options, Progress& progress);
 
   void imu(const ImuSample& sample) override;
   void gps(const GpsFix& fix) override;
@@ -47,7 +49,10 @@ class DriveInput : public SensorSink {
   void end_drive();
   tl::unexpected<Error> nothing() const;
 
+  std::unique_ptr<LidarAssembler> new_assembler() const;
+
   Rig rig_;
+  SensorOffsets known_;
   SlamOptions options_;
   Progress& progress_;
   std::unique_ptr<LidarAssembler> assembler_;

@@ -13,7 +13,7 @@ constexpr double kMaxSpeed = 15;           // m/s, of a vehicle between vines
 constexpr double kMinInliers = 0.5;        // share of matches within three standard deviations
 constexpr double kMaxBlindFraction = 0.3;  // share of windows with hardly any match
 constexpr int kFewMatches = 30;
-// Largest mean residual of the IMU over a straight stretch, standard deviations. Maps that are right: 0.9–1.8; with a
+// Largest mean residual of the IMU over a straight stretch, standard deviations. Maps that are right: 1.2–1.9; with a
 // lane taken for the next one, 2.7 and more.
 constexpr double kDoubtfulMisfit = 2.5, kMaxMisfit = 8;
 constexpr double kMaxTail = 4;  // 95 % of the fixes lie within so many times the bound of their median
@@ -135,9 +135,9 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
     r.uncertainty.push_back({odometry.epoch_s + u.time_s, sigma.head<3>(), sigma.tail<3>()});
   }
   if (f.rig.estimate_lidar_offset)
-    r.offsets.push_back({"lidar_offset_s", f.stats.offsets[0], f.stats.offset_sigmas[0]});
+    r.offsets.push_back({"lidar_offset_s", result.offsets.lidar_s, f.stats.offset_sigmas[0]});
   if (f.rig.spinner && f.rig.estimate_spinner_offset)
-    r.offsets.push_back({"spinner_offset_rad", f.stats.offsets[1], f.stats.offset_sigmas[1]});
+    r.offsets.push_back({"spinner_offset_rad", result.offsets.spinner_rad, f.stats.offset_sigmas[1]});
   if (f.gps_offset.solved)
     r.offsets.push_back({"gps_offset_s", f.gps_offset.offset_s, f.gps_offset.sigma_s});
   else if (f.rig.estimate_gps_offset)

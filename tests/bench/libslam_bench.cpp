@@ -45,7 +45,7 @@ const Recording& recording() {
 void windowed_stage(benchmark::State& state) {
   Progress progress;
   for (auto _ : state) {
-    DriveInput input(testing::room_rig(), SlamOptions(), progress);
+    DriveInput input(testing::room_rig(), {}, SlamOptions(), progress);
     recording().play(input);
     benchmark::DoNotOptimize(input.finish());
   }

@@ -66,7 +66,7 @@ struct SlamReport {
   std::uint64_t loop_closures = 0;  ///< surfel matches between different visits
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches, different visits, linked by at least ten of them
   double surfel_thickness_m = 0;    ///< spread of flat surfaces seen at different visits (robust sigma); NaN: none
-  /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 0.9–1.8 in a map that
+  /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 1.2–1.9 in a map that
   /// is right, more where a lane was taken for the next one.
   double imu_misfit = 0;
   /// Share of surfaces seen twice within a window of the first stage that agree to three standard deviations: in the
