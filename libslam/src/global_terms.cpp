@@ -235,7 +235,7 @@ Result<double> GlobalProblem::solve_and_apply() {
 }
 
 SurfelOffsets GlobalProblem::surfel_offsets() const {
-  return {offsets_[0], offsets_[1], surfel_frame_.spin_axis, surfel_frame_.spin_origin};
+  return {{offsets_[0], offsets_[1]}, surfel_frame_.spin_axis, surfel_frame_.spin_origin};
 }
 
 // Mean residuals of gyroscope and accelerometer over stretches of five seconds against their standard deviations. Turns

@@ -18,9 +18,10 @@ constexpr std::size_t kRoom = 400000;  // records that wait in all regions
 }  // namespace
 
 void apply_offsets(const SurfelOffsets& offsets, double end_s, Surfel& s) {
-  if (offsets.lidar_s == 0 && offsets.spinner_rad == 0) return;
-  s.time_s = std::clamp(s.time_s + offsets.lidar_s, 0.0, end_s);
-  const double angle = offsets.spinner_rad + offsets.lidar_s * static_cast<double>(s.spin_rate_rad_s);
+  const auto [lidar_s, spinner_rad] = offsets.sensors;
+  if (lidar_s == 0 && spinner_rad == 0) return;
+  s.time_s = std::clamp(s.time_s + lidar_s, 0.0, end_s);
+  const double angle = spinner_rad + lidar_s * static_cast<double>(s.spin_rate_rad_s);
   const Eigen::Quaterniond turn = exp_so3(angle * offsets.spin_axis);
   s.center = (turn * (s.center.cast<double>() - offsets.spin_origin) + offsets.spin_origin).cast<float>();
   s.normal = (turn * s.normal.cast<double>()).cast<float>();
@@ -30,13 +31,13 @@ void SurfelRegions::remember(const PoseTrack& track, const SurfelOffsets& offset
   poses_.clear();
   for (int k = 0; k < track.size(); k += kPoseStep)
     poses_.push_back({track.rotation[static_cast<std::size_t>(k)], track.position[static_cast<std::size_t>(k)]});
-  laid_out_with_ = offsets;
+  laid_out_with_ = offsets.sensors;
 }
 
 bool SurfelRegions::moved_too_far(const PoseTrack& track, const SurfelOffsets& offsets) const {
   if (poses_.empty()) return true;
-  const double later = std::abs(offsets.lidar_s - laid_out_with_.lidar_s);
-  const double turned = std::abs(offsets.spinner_rad - laid_out_with_.spinner_rad) + later * spin_rate_rad_s_;
+  const double later = std::abs(offsets.sensors.lidar_s - laid_out_with_.lidar_s);
+  const double turned = std::abs(offsets.sensors.spinner_rad - laid_out_with_.spinner_rad) + later * spin_rate_rad_s_;
   const double room = options_.slack_m - turned * kLever_m - later * kSpeed_m_s;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     const std::size_t at = k * kPoseStep;

@@ -10,13 +10,14 @@
 #include "pose_track.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/spill_file.h"
+#include "rayfield/slam/unwarp.h"
 #include "surfel_file.h"
 
 namespace rayfield::slam {
 
 /// Offsets of the sensors that were found after the surfels were made.
 struct SurfelOffsets {
-  double lidar_s = 0, spinner_rad = 0;
+  SensorOffsets sensors;
   Eigen::Vector3d spin_axis = Eigen::Vector3d::Zero();    ///< in the IMU frame
   Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero();  ///< m
 };
@@ -74,7 +75,7 @@ class SurfelRegions {
   double end_s_ = 0;
   // What the layout was made with: poses at every kPoseStep-th step of the track.
   std::vector<Rigid3> poses_;
-  SurfelOffsets laid_out_with_;
+  SensorOffsets laid_out_with_;
   double spin_rate_rad_s_ = 0;  // the fastest
 };
 

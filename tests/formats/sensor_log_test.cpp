@@ -6,69 +6,14 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
+#include "formats/sensor_log_support.h"
 #include "rayfield/formats/sensor_log_writer.h"
 
 namespace rayfield::formats {
 namespace {
 
-using namespace bytes;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-struct Collected : SensorSink {
-  std::vector<ImuSample> imus;
-  std::vector<GpsFix> fixes;
-  std::vector<SpinnerAngle> angles;
-  std::vector<LidarScan> scans;
-  std::string order;
-  void imu(const ImuSample& sample) override { imus.push_back(sample), order += 'i'; }
-  void gps(const GpsFix& fix) override { fixes.push_back(fix), order += 'g'; }
-  void spinner(const SpinnerAngle& angle) override { angles.push_back(angle), order += 's'; }
-  void lidar(const LidarScan& scan) override { scans.push_back(scan), order += 'l'; }
-};
-
-std::string connections(const char* lidar_type = kScanType, const char* lidar_md5 = kScanMd5) {
-  return connection(0, "/imu/data", kImuType, kImuMd5) + connection(1, "/gps/fix", kFixType, kFixMd5) +
-         connection(2, "/spinner/joint_states", kJointType, kJointMd5) +
-         connection(3, "/lidar/scan", lidar_type, lidar_md5);
-}
-
-Rig full_rig() {
-  Rig rig;
-  rig.spinner = Rig::Spinner();
-  rig.gps = Rig::Gps();
-  return rig;
-}
-
-Rig lidar_rig() { return Rig(); }
-
-LogOptions any_sensors() {
-  LogOptions options;
-  options.require_imu = false;
-  options.require_lidar = false;
-  return options;
-}
-
-Result<LogReport> read(const std::string& records, const Rig& rig, SensorSink& sink, const LogOptions& options = {}) {
-  const TemporaryFile file(bag_header() + chunk(records));
-  return read_log(file.path(), rig, sink, options);
-}
-
-std::string imu_at(double seconds, double record_s) {
-  const auto split = [](double t) { return std::pair(std::floor(t), std::round((t - std::floor(t)) * 1e9)); };
-  const auto [stamp_s, stamp_ns] = split(seconds);
-  const auto [log_s, log_ns] = split(record_s);
-  return message(0, static_cast<std::uint32_t>(log_s), static_cast<std::uint32_t>(log_ns),
-                 imu(static_cast<std::uint32_t>(stamp_s), static_cast<std::uint32_t>(stamp_ns)));
-}
-std::string imu_at(double seconds) { return imu_at(seconds, seconds); }
-
-std::vector<double> times_of(const Collected& got) {
-  std::vector<double> times;
-  for (const ImuSample& sample : got.imus) times.push_back(sample.time_s);
-  return times;
-}
 
 TEST(SensorLog, DecodesEverySensorFromItsBytes) {
   Collected got;
@@ -300,110 +245,6 @@ TEST(SensorLog, AGpsTopicThatIsCalledOtherwiseIsAMistakeAndNoGpsAtAllIsNot) {
       read(connection(0, "/imu/data", kImuType, kImuMd5) + connection(3, "/lidar/scan", kScanType, kScanMd5) + sensors,
            rig, got);
   EXPECT_TRUE(none) << none.error().line();
-}
-
-TEST(SensorLog, PutsMessagesBackInOrderWithinTheWindow) {
-  Collected got;
-  LogOptions options = any_sensors();
-  options.reorder_window_s = 0.5;
-  // 1.2 comes after 1.3 (within the window); 1.0 comes after 1.6 was due (too late).
-  const auto report = read(connections() + imu_at(0.9) + imu_at(1.3, 1.2) + imu_at(1.2, 1.3) + imu_at(1.6) +
-                               imu_at(2.6) + imu_at(1.0, 2.7) + imu_at(2.8),
-                           lidar_rig(), got, options);
-  ASSERT_TRUE(report) << report.error().line();
-  EXPECT_EQ(times_of(got), (std::vector<double>{0.9, 1.2, 1.3, 1.6, 2.6, 2.8}));
-  EXPECT_EQ(report->topic(SensorKind::imu).late + report->topic(SensorKind::imu).stray_stamps, 1U);
-  EXPECT_GE(report->topic(SensorKind::imu).reordered, 1U);
-}
-
-TEST(SensorLog, DeliversADuplicateOnce) {
-  Collected got;
-  const std::string same_scan = scan(5, 0, {}, {1.0, 2.0});
-  const auto report = read(connections() + imu_at(1) + imu_at(1) + imu_at(2) + message(3, 5, 0, same_scan) +
-                               message(3, 5, 1, same_scan) + message(3, 5, 2, scan(5, 0, {}, {3.0, 4.0})),
-                           lidar_rig(), got);
-  ASSERT_TRUE(report) << report.error().line();
-  EXPECT_THAT(times_of(got), ElementsAre(1, 2));
-  EXPECT_EQ(got.scans.size(), 2U);  // a lidar may send two different messages of one stamp
-  EXPECT_EQ(report->topic(SensorKind::imu).duplicates, 1U);
-  EXPECT_EQ(report->topic(SensorKind::lidar).duplicates, 1U);
-}
-
-TEST(SensorLog, LeavesOutASingleStrayStamp) {
-  for (const double stray : {2.0, 9000.0}) {
-    Collected got;
-    std::string records = connections();
-    for (int i = 0; i < 10; ++i) records += imu_at(i == 5 ? stray : 1000 + i, 1000 + i);
-    const auto report = read(records, lidar_rig(), got, any_sensors());
-    ASSERT_TRUE(report) << report.error().line();
-    EXPECT_EQ(got.imus.size(), 9U) << stray;
-    EXPECT_EQ(report->topic(SensorKind::imu).stray_stamps, 1U) << stray;
-    EXPECT_EQ(report->segments.size(), 1U) << stray;
-  }
-}
-
-TEST(SensorLog, LeavesOutAStrayStampAtTheVeryBeginning) {
-  Collected got;
-  std::string records = connections();
-  for (int i = 0; i < 10; ++i) records += imu_at(i == 0 ? 5.0 : 1000 + 0.01 * i, 1000 + 0.01 * i);
-  const auto report = read(records, lidar_rig(), got, any_sensors());
-  ASSERT_TRUE(report) << report.error().line();
-  EXPECT_EQ(got.imus.size(), 9U);
-  EXPECT_EQ(report->segments.size(), 1U);
-}
-
-TEST(SensorLog, CutsTheLogWhereTheClockJumpsAndDeliversTheChosenSegment) {
-  for (const double jump : {3600.0, -3600.0}) {
-    std::string records = connections();
-    for (int i = 0; i < 10; ++i)
-      records += imu_at(10000 + i) + message(3, 10000U + static_cast<unsigned>(i), 1,
-                                             scan(10000U + static_cast<unsigned>(i), 0, {}, {1.0}));
-    for (int i = 10; i < 40; ++i) {
-      const double t = 10000 + i + jump;
-      records +=
-          imu_at(t) + message(3, static_cast<std::uint32_t>(t), 1, scan(static_cast<std::uint32_t>(t), 0, {}, {1.0}));
-    }
-    Collected first, second;
-    const auto report = read(records, lidar_rig(), first);
-    ASSERT_TRUE(report) << report.error().line();
-    EXPECT_EQ(first.imus.size(), 10U);
-    EXPECT_EQ(first.scans.size(), 10U);
-    ASSERT_EQ(report->segments.size(), 2U);
-    EXPECT_EQ(report->longest_segment, 1);
-    EXPECT_EQ(report->segments[1].messages, 30U);
-    EXPECT_DOUBLE_EQ(report->segments[1].first_s, 10010 + jump);
-    EXPECT_EQ(report->topic(SensorKind::imu).other_segments, 30U);
-    EXPECT_THAT(report->warnings(),
-                ::testing::Contains(HasSubstr("the clock jumps once: of 2 segments number 1 is used")));
-    LogOptions options;
-    options.segment = 1;
-    ASSERT_TRUE(read(records, lidar_rig(), second, options));
-    EXPECT_EQ(second.imus.size(), 30U);
-    EXPECT_EQ(second.scans.size(), 30U);
-  }
-}
-
-TEST(SensorLog, DoesNotTakeASilentSensorForAClockJump) {
-  Collected got;
-  std::string records = connections();
-  for (int i = 0; i < 200; ++i) {
-    const auto t = static_cast<std::uint32_t>(1000 + i);
-    records += imu_at(t) + message(3, t, 1, scan(t, 0, {}, {1.0}));
-    if (i < 10 || i > 150) records += message(1, t, 2, fix(t, 0, 0, 45, 1, 1));  // GPS out for 140 s
-  }
-  const auto report = read(records, full_rig(), got, any_sensors());
-  ASSERT_TRUE(report) << report.error().line();
-  EXPECT_EQ(report->segments.size(), 1U);
-  EXPECT_EQ(got.fixes.size(), 10U + 49U);
-  EXPECT_DOUBLE_EQ(report->topic(SensorKind::gps).longest_gap_s, 142.0);
-}
-
-TEST(SensorLog, TakesTheRecordingTimeOfMessagesWithoutAStamp) {
-  Collected got;
-  const auto report = read(connections() + message(0, 5, 500000000, imu(0, 0)), lidar_rig(), got, any_sensors());
-  ASSERT_TRUE(report);
-  EXPECT_EQ(got.imus.at(0).time_s, 5.5);
-  EXPECT_EQ(report->topic(SensorKind::imu).without_stamp, 1U);
 }
 
 Error error_of(const std::string& records, const Rig& rig) {

@@ -145,7 +145,7 @@ TEST(SurfelRegions, HaveTheMatchesOfTheWholeDrive) {
 TEST(SurfelRegions, ApplyTheOffsetsOfTheSensors) {
   const Field field(3000);
   SurfelOffsets offsets;
-  offsets.lidar_s = 0.02, offsets.spinner_rad = 0.005;
+  offsets.sensors = {0.02, 0.005};
   offsets.spin_axis = Eigen::Vector3d(0, 0, 1), offsets.spin_origin = Eigen::Vector3d(0.1, 0.2, 0.5);
   SurfelRegions regions = by_region();
   ASSERT_TRUE(*regions.follow(field.file, field.track, {}, 1));
