@@ -108,6 +108,10 @@ class Registration {
                                      solving += now_s() - found;
                                      return {};
                                    }));
+    if (const PoleOptions& poles = options_.poles; step.revisits && poles.weight > 0) {
+      problem_->add_poles({std::min(poles.max_reach_m, poles.reach_m + weights.slack_m), options_.global.revisit_gap_s,
+                           step.max_gap_s});
+    }
     problem_->end(stats_);
     stats_.solving_seconds += solving, stats_.matching_seconds += now_s() - begin - solving;
     return {};
@@ -117,8 +121,9 @@ class Registration {
     const int most = coarse ? options_.global.coarse_knots : options_.global.fine_knots;
     const double step_s = std::max(options_.global.knot_step_s, length_s() / most);
     if (problem_ && problem_->knot_step_s() == step_s) return;
-    const Eigen::Vector2d offsets = problem_ ? problem_->offsets() : Eigen::Vector2d::Zero();
-    problem_.emplace(odometry_, imu_, fixes_, rig_, options_, step_s, offsets);
+    const GlobalUnknowns unknowns =
+        problem_ ? problem_->unknowns() : GlobalUnknowns{.pole_depth_m = options_.poles.depth_m};
+    problem_.emplace(odometry_, imu_, fixes_, rig_, options_, step_s, unknowns);
   }
 
   Result<void> measure(const Step& last, const std::vector<Eigen::Vector3d>& before_release) {

@@ -29,7 +29,9 @@ struct PoseUncertainty {
 /// What the global stage says of itself.
 struct GlobalStats {
   ResidualStats near_surfels, revisit_surfels, gps_m, gyro_rad_s, accel_m_s2;
-  double thickness_m = 0;  ///< spread of one flat surface seen at different visits (robust standard deviation)
+  ResidualStats poles;      ///< between visits, m
+  double pole_depth_m = 0;  ///< from the visible surface of posts and trunks to their axes
+  double thickness_m = 0;   ///< spread of one flat surface seen at different visits (robust standard deviation)
   std::uint64_t thickness_count = 0;
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches that at least ten revisit matches link
   VisitMisfit visits;

@@ -40,14 +40,14 @@ double largest_move(const std::vector<Eigen::Vector3d>& anchors, const Eigen::Ve
 
 GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
                              const Rig& rig, const SlamOptions& options, double knot_step_s,
-                             const Eigen::Vector2d& offsets)
+                             const GlobalUnknowns& unknowns)
     : odometry_(odometry),
       imu_(imu),
       fixes_(fixes),
       rig_(rig),
       options_(options),
       knot_step_s_(knot_step_s),
-      offsets_(offsets),
+      unknowns_(unknowns),
       sums_{BlockSystem(0, BlockSystem::Storage::sparse), BlockSystem(0, BlockSystem::Storage::sparse), {}, {}} {
   frame_.track = &odometry.track;
   const double length = odometry.track.end_s();
@@ -164,8 +164,14 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
   }
   Vector6d extra = Vector6d::Constant(kFixed), extra_offset = Vector6d::Zero();
   const bool free[2] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset};
-  for (int k = 0; k < 2; ++k)
-    if (free[k]) extra[2 + k] = 1 / (kOffsetSigma[k] * kOffsetSigma[k]), extra_offset[2 + k] = -offsets_[k];
+  for (int k = 0; k < 2; ++k) {
+    if (!free[k]) continue;
+    extra[kLidarOffset + k] = 1 / (kOffsetSigma[k] * kOffsetSigma[k]);
+    extra_offset[kLidarOffset + k] = -unknowns_.offsets[k];
+  }
+  const double depth_sigma = options_.poles.depth_sigma_m;
+  extra[kPoleDepth] = 1 / (depth_sigma * depth_sigma);
+  extra_offset[kPoleDepth] = options_.poles.depth_m - unknowns_.pole_depth_m;
   system.add_prior(frame_.extra_block, extra_offset, extra);
 }
 
@@ -177,7 +183,7 @@ void GlobalProblem::begin(const GlobalWeights& weights) {
     const int n = static_cast<int>(kParts), p = static_cast<int>(part);
     Sums& sums = parts_[part];
     sums.chain.clear(), sums.coupling.clear();
-    sums.near = sums.revisits = {}, sums.squares.setZero();
+    sums.near = sums.revisits = sums.poles = {}, sums.squares.setZero();
     add_inertial(groups * p / n, groups * (p + 1) / n, sums.chain, sums.squares);
   });
 }
@@ -201,18 +207,52 @@ void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const
   });
 }
 
+// Both horizontal directions of a pair together: |e|² is the same however the map is turned. Eliminating the place of a
+// slice of N visits with the variance σ² each leaves Σ_{i<j} |q_i − q_j|²/(N·σ²).
+void GlobalProblem::add_poles(const PoleQuery& query) {
+  const PoleOptions& options = options_.poles;
+  const PoseTrack& track = odometry_.track;
+  const SurfelOffsets offsets = surfel_offsets();
+  std::vector<Surfel> sightings = odometry_.poles;
+  for (Surfel& s : sightings) apply_offsets(offsets, track.end_s(), s);
+  const double depth = unknowns_.pole_depth_m;
+  const std::vector<PoleVisit> visits = gather_visits(sightings, track, depth, options);
+  ResidualFrame frame = surfel_frame_;
+  frame.extra_block = frame_.extra_block;
+  const double slack2 = weights_.slack_m * weights_.slack_m, cauchy2 = std::pow(options_.match.last_cauchy, 2);
+  const double share = weights_.cautious ? kIndependentShare : options.weight;
+  Sums& sums = parts_[0];
+  for (const PolePair& pair : pair_visits(visits, track, depth, query, options)) {
+    const auto along = [&](int axis) {
+      return pole_residual(frame, visits[pair.first], visits[pair.second], pair.depth_m, Eigen::Vector3d::Unit(axis));
+    };
+    const PairResidual axes[2] = {along(0), along(1)};
+    const double square = axes[0].error() * axes[0].error() + axes[1].error() * axes[1].error();
+    const double robust = 1 / (1 + square / (cauchy2 * pair.variance_m2 + slack2));
+    const double weight = share * robust / (0.5 * pair.visits * pair.variance_m2 + slack2);
+    for (const PairResidual& r : axes) {
+      sums.chain.add(r.first, weight);
+      sums.chain.add(r.second, weight);
+      sums.coupling.add_coupling(r.first, r.second, weight);
+    }
+    ++sums.poles.matches, sums.poles.weights += weight, sums.poles.squares += weight * square;
+  }
+}
+
 void GlobalProblem::end(GlobalStats& stats) {
   sums_.chain.clear(), sums_.coupling.clear();
-  sums_.near = sums_.revisits = {}, sums_.squares.setZero();
+  sums_.near = sums_.revisits = sums_.poles = {}, sums_.squares.setZero();
   for (const Sums& part : parts_) {
     sums_.chain.add(part.chain), sums_.coupling.add(part.coupling);
-    sums_.near.add(part.near), sums_.revisits.add(part.revisits), sums_.squares += part.squares;
+    sums_.near.add(part.near), sums_.revisits.add(part.revisits), sums_.poles.add(part.poles);
+    sums_.squares += part.squares;
   }
   if (weights_.gps_slack > 0) add_gps(weights_.gps_slack, sums_.chain, stats);
   add_priors(weights_.gps_slack > 0, sums_.chain);
 
   stats.near_surfels = {sums_.near.matches, sums_.near.rms_m()};
   stats.revisit_surfels = {sums_.revisits.matches, sums_.revisits.rms_m()};
+  stats.poles = {sums_.poles.matches, sums_.poles.rms_m()}, stats.pole_depth_m = unknowns_.pole_depth_m;
   const int groups = (frame_.track->size() - 2) / kImuGroup;
   const std::uint64_t count = static_cast<std::uint64_t>(groups);
   stats.gyro_rad_s = {count, std::sqrt(sums_.squares[0] / std::max(1, 3 * groups))};
@@ -229,13 +269,14 @@ Result<double> GlobalProblem::solve_and_apply() {
     gyro_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k));
     accel_bias_[k] += x.segment<3>(6 * (first_bias_block_ + k) + 3);
   }
-  offsets_ += x.segment<2>(6 * frame_.extra_block + 2);
+  unknowns_.offsets += x.segment<2>(6 * frame_.extra_block + kLidarOffset);
+  unknowns_.pole_depth_m += x[6 * frame_.extra_block + kPoleDepth];
   for (InertialNode& node : odometry_.inertial) node.state = inertial_at(bias_weights(node.time_s));
   return largest;
 }
 
 SurfelOffsets GlobalProblem::surfel_offsets() const {
-  return {{offsets_[0], offsets_[1]}, surfel_frame_.spin_axis, surfel_frame_.spin_origin};
+  return {{unknowns_.offsets[0], unknowns_.offsets[1]}, surfel_frame_.spin_axis, surfel_frame_.spin_origin};
 }
 
 // Mean residuals of gyroscope and accelerometer over stretches of five seconds against their standard deviations. Turns
@@ -283,10 +324,10 @@ Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
         std::clamp((blocks[static_cast<std::size_t>(k)] - 1) * frame_.spline.step_s, 0.0, odometry_.track.end_s());
     stats.uncertainty.push_back({time, covariance[static_cast<std::size_t>(k)]});
   }
-  const Eigen::Vector2d variance = covariance.back().diagonal().segment<2>(2);
+  const Eigen::Vector2d variance = covariance.back().diagonal().segment<2>(kLidarOffset);
   const bool free[2] = {rig_.estimate_lidar_offset, rig_.spinner && rig_.estimate_spinner_offset};
   for (int k = 0; k < 2; ++k) {
-    stats.offsets[k] = offsets_[k];
+    stats.offsets[k] = unknowns_.offsets[k];
     stats.offset_sigmas[k] = free[k] ? std::sqrt(std::max(variance[k], 0.0)) : 0;
   }
   return {};

@@ -20,25 +20,32 @@ struct GlobalWeights {
   bool cautious = false;  ///< surfels are weighted for uncertainties rather than for the solution
 };
 
+/// What is estimated besides trajectory and biases.
+struct GlobalUnknowns {
+  Eigen::Vector2d offsets = Eigen::Vector2d::Zero();  ///< lidar (s), spinner (rad)
+  double pole_depth_m = 0;                            ///< from the visible surface of poles to their axes
+};
+
 /// The normal equations of the global stage. Blocks: knots of the correction spline, bias nodes, one extra block.
 class GlobalProblem {
  public:
-  /// `knot_step_s`: spacing of the correction spline. `offsets`: lidar (s) and spinner (rad) offsets applied so far.
+  /// `knot_step_s`: spacing of the correction spline. `unknowns`: as estimated so far.
   GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes, const Rig& rig,
-                const SlamOptions& options, double knot_step_s, const Eigen::Vector2d& offsets);
+                const SlamOptions& options, double knot_step_s, const GlobalUnknowns& unknowns);
 
-  /// Builds the system at the present trajectory: begin(), the surfels of all regions, end(), which fills the residual
-  /// statistics. What is added depends on the order of the regions, not on the number of threads.
+  /// Builds the system at the present trajectory: begin(), the surfels of all regions, the poles, end(), which fills
+  /// the residual statistics. What is added depends on the order of the regions, not on the number of threads.
   void begin(const GlobalWeights& weights);
   void add_surfels(std::span<const Surfel> surfels, std::span<const SurfelMatch> near,
                    std::span<const SurfelMatch> revisits);
+  void add_poles(const PoleQuery& query);
   void end(GlobalStats& stats);
 
   /// Solves the system and moves trajectory, biases and offsets. Returns the largest move of a knot, less yaw and
   /// translation of the whole, m.
   Result<double> solve_and_apply();
 
-  const Eigen::Vector2d& offsets() const { return offsets_; }
+  const GlobalUnknowns& unknowns() const { return unknowns_; }
   /// The same for surfels as they were made.
   SurfelOffsets surfel_offsets() const;
   double knot_step_s() const { return knot_step_s_; }
@@ -66,11 +73,11 @@ class GlobalProblem {
   int bias_nodes_, first_bias_block_;
   std::vector<Eigen::Vector3d> gyro_bias_, accel_bias_;  // at the nodes
   Eigen::Vector3d gravity_;
-  Eigen::Vector2d offsets_;  // estimated: lidar (s), spinner (rad)
+  GlobalUnknowns unknowns_;
   // The normal equations: those of the chain with what revisits do to either side, and what ties their two sides.
   struct Sums {
     BlockSystem chain, coupling;
-    SurfelSums near, revisits;
+    SurfelSums near, revisits, poles;
     Eigen::Vector2d squares = Eigen::Vector2d::Zero();  // of the residuals of gyroscope and accelerometer
   };
   Sums sums_;

@@ -123,6 +123,7 @@ SlamReport make_report(const RunFacts& f, SlamResult& result) {
   r.window_surfels_m = {static_cast<std::uint64_t>(count), count > 0 ? std::sqrt(squares / count) : 0};
   const auto plain = [](const ResidualStats& s) { return ResidualSummary{s.count, s.rms}; };
   r.near_surfels_m = plain(f.stats.near_surfels), r.revisit_surfels_m = plain(f.stats.revisit_surfels);
+  r.poles_m = plain(f.stats.poles), r.pole_depth_m = f.stats.pole_depth_m;
   r.gps_m = plain(f.stats.gps_m);
   r.gyro_rad_s = plain(f.stats.gyro_rad_s), r.accel_m_s2 = plain(f.stats.accel_m_s2);
   r.loop_closures = f.stats.revisit_surfels.count;

@@ -42,6 +42,7 @@ void Odometry::add(const BodyScan& scan) {
       continue;
     }
     if (index >= static_cast<std::int64_t>(pending_.size())) pending_.resize(static_cast<std::size_t>(index) + 1);
+    sensor_ = scan.origin[k];
     const Eigen::Vector3d p = scan.origin[k] + static_cast<double>(scan.range_m[k]) * scan.direction[k];
     pending_[static_cast<std::size_t>(index)].push_back({time, p.cast<float>(), scan.spin_rate_rad_s[k]});
   }
@@ -78,11 +79,12 @@ Result<void> Odometry::extract_to(double time_s) {
       points.resize(limit);
     }
     out_.points_used += points.size();
-    const std::vector<Surfel> found =
-        extract_surfels(points, out_.track, options_.surfels, thread_count(options_.threads));
-    RAYFIELD_CHECK(out_.surfels.append(found));
-    newest_.insert(newest_.end(), found.begin(), found.end());
-    newest_bins_.push_back({extracted_bins_, found.size()});
+    const auto [surfels, poles] =
+        extract_features(points, sensor_, out_.track, options_.surfels, options_.poles, thread_count(options_.threads));
+    RAYFIELD_CHECK(out_.surfels.append(surfels));
+    out_.poles.insert(out_.poles.end(), poles.begin(), poles.end());
+    newest_.insert(newest_.end(), surfels.begin(), surfels.end());
+    newest_bins_.push_back({extracted_bins_, surfels.size()});
     pending_.erase(pending_.begin());
     ++extracted_bins_;
   }

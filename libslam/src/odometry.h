@@ -31,6 +31,7 @@ struct OdometryResult {
   double epoch_s = 0;
   PoseTrack track;
   SurfelFile surfels;
+  std::vector<Surfel> poles;  ///< sightings, in the order of time bins: some ten a second
   std::vector<InertialNode> inertial;
   std::vector<WindowStats> windows;
   StartInfo start;
@@ -72,8 +73,9 @@ class Odometry {
   SlamOptions options_;
   ImuGrid imu_;
   bool started_ = false;
-  double done_s_ = 0;        // the trajectory is solved up to here
-  double lidar_end_s_ = -1;  // time of the newest point
+  double done_s_ = 0;                                 // the trajectory is solved up to here
+  double lidar_end_s_ = -1;                           // time of the newest point
+  Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  // the newest beam's start, IMU frame
   std::int64_t extracted_bins_ = 0;
   std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
   // The surfels of the newest bins, as many as a window may need.

@@ -45,6 +45,24 @@ Result<void> WindowOptions::validate() const {
   return in_range("window.converged_m", converged_m, 0, 0.1);
 }
 
+Result<void> PoleOptions::validate() const {
+  RAYFIELD_CHECK(in_range("poles.min_points", min_points, 4, 1000));
+  RAYFIELD_CHECK(in_range("poles.max_spread_m", max_spread_m, 0.005, 0.2));
+  RAYFIELD_CHECK(in_range("poles.min_upright_fraction", min_upright_fraction, 0.05, 0.28));
+  RAYFIELD_CHECK(in_range("poles.max_around", max_around, 0, 2));
+  RAYFIELD_CHECK(in_range("poles.max_range_m", max_range_m, 1, 50));
+  RAYFIELD_CHECK(in_range("poles.slice_m", slice_m, 0.05, 5));
+  RAYFIELD_CHECK(in_range("poles.gather_m", gather_m, 0.02, 0.5));
+  RAYFIELD_CHECK(in_range("poles.max_pause_s", max_pause_s, 0.5, 60));
+  RAYFIELD_CHECK(in_range("poles.reach_m", reach_m, 0.01, 0.5));
+  RAYFIELD_CHECK(in_range("poles.max_reach_m", max_reach_m, reach_m, 2));
+  RAYFIELD_CHECK(in_range("poles.sigma_m", sigma_m, 1e-4, 1));
+  RAYFIELD_CHECK(in_range("poles.thickness_sigma_m", thickness_sigma_m, 1e-4, 1));
+  RAYFIELD_CHECK(in_range("poles.depth_m", depth_m, 0, 0.5));
+  RAYFIELD_CHECK(in_range("poles.depth_sigma_m", depth_sigma_m, 1e-4, 1));
+  return in_range("poles.weight", weight, 0, 100);
+}
+
 Result<void> GlobalOptions::validate() const {
   RAYFIELD_CHECK(in_range("global.sigma_m", sigma_m, 1e-4, 1));
   RAYFIELD_CHECK(in_range("global.layer_share", layer_share, 0, 1));
@@ -76,6 +94,7 @@ Result<void> SlamOptions::validate() const {
   RAYFIELD_CHECK(surfels.validate());
   RAYFIELD_CHECK(match.validate());
   RAYFIELD_CHECK(window.validate());
+  RAYFIELD_CHECK(poles.validate());
   RAYFIELD_CHECK(global.validate());
   RAYFIELD_CHECK(gps.validate());
   const double bins = window.advance_s / surfels.time_bin_s;

@@ -78,6 +78,7 @@ std::string report_json(const SlamReport& r) {
   residuals.raw("window_surfels_m", residual(r.window_surfels_m))
       .raw("near_surfels_m", residual(r.near_surfels_m))
       .raw("revisit_surfels_m", residual(r.revisit_surfels_m))
+      .raw("poles_m", residual(r.poles_m))
       .raw("gps_m", residual(r.gps_m))
       .raw("gyro_rad_s", residual(r.gyro_rad_s))
       .raw("accel_m_s2", residual(r.accel_m_s2));
@@ -90,6 +91,7 @@ std::string report_json(const SlamReport& r) {
   o.set("surfels", r.surfels).set("windows", r.windows);
   o.raw("residuals", residuals.text());
   o.set("loop_closures", r.loop_closures).set("linked_visits", r.linked_visits);
+  o.set("pole_depth_m", r.pole_depth_m);
   o.set("surfel_thickness_m", r.surfel_thickness_m).set("imu_misfit", r.imu_misfit);
   o.set("window_inliers_least", r.window_inliers_least).set("window_inliers_typical", r.window_inliers_typical);
   o.set("visit_offset_worst_m", r.visit_offset_worst_m).set("visit_offset_typical_m", r.visit_offset_typical_m);
@@ -134,6 +136,9 @@ std::string report_summary(const SlamReport& r) {
                      r.linked_visits);
   out += std::isfinite(r.surfel_thickness_m) ? fmt::format("{:.1f} mm thick\n", 1000 * r.surfel_thickness_m)
                                              : std::string("none seen twice\n");
+  if (r.poles_m.count > 0)
+    out += fmt::format("poles      {} pairs of visits to posts and trunks, axes within {:.0f} mm\n", r.poles_m.count,
+                       1000 * r.poles_m.rms);
   if (r.gps.used > 0)
     out += fmt::format(
         "GPS        {} fixes, offset {:.2f} m (median), {:.2f} m (95 %), {} outliers, longest outage {:.1f} s\n",

@@ -5,8 +5,6 @@
 namespace rayfield::slam {
 namespace {
 
-enum Extra { kGravityX = 0, kGravityY = 1, kLidarOffset = 2, kSpinnerOffset = 3 };
-
 struct SurfelPair {
   Eigen::Vector3d between, normal;  // s_b − s_a and n
   double normals_length;            // |n_a + n_b|
@@ -18,16 +16,19 @@ SurfelPair pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b, 
   return {pose_b * b.center.cast<double>() - pose_a * a.center.cast<double>(), sum / length, length};
 }
 
-// Adds what one surfel does to e = n·(s_b − s_a) to its side, sign −1 for a and 1 for b. Its place s = t + r·c moves as
-// add_place() says; its normal n_s turns by δr, which turns n and so e by δr·(n_s × p)/|n_a + n_b| with p the part of
-// s_b − s_a across n. The extra unknowns act as
+// A point of the lidar's in the IMU frame.
+struct Sighted {
+  double time_s = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double spin_rate_rad_s = 0;
+};
+
+// Adds what one point does to e = n·(s_b − s_a) to its side, sign −1 for a and 1 for b. Its place s = t + r·c moves as
+// add_place() says; besides, e changes by `tilt`·δr as its pose turns. The extra unknowns act as
 //   ds/d(lidar offset) = v + ω × r·c + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
-void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const SurfelPair& pair,
-                     double sign, SplineResidual& out) {
-  const Eigen::Vector3d& n = pair.normal;
-  const Eigen::Vector3d arm = pose.rotation * s.center.cast<double>(), place = pose.translation + arm;
-  const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
-  const Eigen::Vector3d tilt = (pose.rotation * s.normal.cast<double>()).cross(across) / pair.normals_length;
+void add_side(const ResidualFrame& frame, const Sighted& s, const Rigid3& pose, const Eigen::Vector3d& n, double sign,
+              const Eigen::Vector3d& tilt, SplineResidual& out) {
+  const Eigen::Vector3d arm = pose.rotation * s.point, place = pose.translation + arm;
   const SplineWeights w = frame.spline.weights(s.time_s);
   out.first = frame.first_knot_block + w.first;
   for (std::size_t j = 0; j < 4; ++j) {
@@ -35,14 +36,32 @@ void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& 
     out.row[j] *= w.value[j];
   }
   if (frame.extra_block < 0) return;
-  const Eigen::Vector3d spin = pose.rotation * frame.spin_axis.cross(s.center.cast<double>() - frame.spin_origin);
+  const Eigen::Vector3d spin = pose.rotation * frame.spin_axis.cross(s.point - frame.spin_origin);
   const Eigen::Vector3d turn = frame.track->angular_velocity(s.time_s);
   const double spinner = sign * n.dot(spin) + tilt.dot(pose.rotation * frame.spin_axis);
   out.extra = frame.extra_block;
   Vector6d& extra = out.extra_row;
-  extra[kLidarOffset] += sign * n.dot(frame.track->velocity(s.time_s) + turn.cross(arm)) + tilt.dot(turn) +
-                         static_cast<double>(s.spin_rate_rad_s) * spinner;
+  extra[kLidarOffset] +=
+      sign * n.dot(frame.track->velocity(s.time_s) + turn.cross(arm)) + tilt.dot(turn) + s.spin_rate_rad_s * spinner;
   extra[kSpinnerOffset] += spinner;
+}
+
+// The normal n_s of a surfel turns by δr, which turns n and so e by δr·(n_s × p)/|n_a + n_b| with p the part of
+// s_b − s_a across n.
+void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const SurfelPair& pair,
+                     double sign, SplineResidual& out) {
+  const Eigen::Vector3d& n = pair.normal;
+  const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
+  const Eigen::Vector3d tilt = (pose.rotation * s.normal.cast<double>()).cross(across) / pair.normals_length;
+  const Sighted sighted{s.time_s, s.center.cast<double>(), static_cast<double>(s.spin_rate_rad_s)};
+  add_side(frame, sighted, pose, n, sign, tilt, out);
+}
+
+void add_pole_side(const ResidualFrame& frame, const PoleVisit& v, const Rigid3& pose, double depth_m,
+                   const Eigen::Vector3d& n, double sign, SplineResidual& out) {
+  const Sighted axis{v.time_s, v.center + depth_m * v.view, static_cast<double>(v.spin_rate_rad_s)};
+  add_side(frame, axis, pose, n, sign, Eigen::Vector3d::Zero(), out);
+  if (frame.extra_block >= 0) out.extra_row[kPoleDepth] += sign * n.dot(pose.rotation * v.view);
 }
 
 // Adds factor·d(t + r·l)/dx at a time, with place = t + r·l of a point l that turns with the pose.
@@ -70,14 +89,26 @@ double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b) {
   return pair.between.dot(pair.normal);
 }
 
-SurfelResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b) {
+PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b) {
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
   const SurfelPair pair = pair_of(pose_a, a, pose_b, b);
-  SurfelResidual out;
+  PairResidual out;
   out.first.error = out.second.error = pair.between.dot(pair.normal);
   out.normal = pair.normal;
   add_surfel_side(frame, a, pose_a, pair, -1, out.first);
   add_surfel_side(frame, b, pose_b, pair, 1, out.second);
+  return out;
+}
+
+PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
+                           const Eigen::Vector3d& n) {
+  const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
+  PairResidual out;
+  out.first.error = out.second.error = n.dot(pose_b * Eigen::Vector3d(b.center + depth_m * b.view) -
+                                             pose_a * Eigen::Vector3d(a.center + depth_m * a.view));
+  out.normal = n;
+  add_pole_side(frame, a, pose_a, depth_m, n, -1, out.first);
+  add_pole_side(frame, b, pose_b, depth_m, n, 1, out.second);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "block_system.h"
 #include "correction_spline.h"
+#include "pole_visits.h"
 #include "pose_track.h"
 #include "surfel.h"
 
@@ -15,8 +16,12 @@
 /// The paper (SLAM) has t ← t + δt(τ) for the first. Turning about anchors keeps the shape of a stretch that is turned
 /// as a whole, at any spacing of knots: a yaw drift over many lanes is put right without bending the turns between
 /// them. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra block is
-/// (gravity x, gravity y, lidar time offset, spinner angle offset, two unused).
+/// what ExtraUnknown says.
 namespace rayfield::slam {
+
+/// Places in the extra block; the sixth is unused. Gravity (world, m/s²), lidar clock (s), spinner angle (rad), depth
+/// of poles (m).
+enum ExtraUnknown { kGravityX = 0, kGravityY = 1, kLidarOffset = 2, kSpinnerOffset = 3, kPoleDepth = 4 };
 
 /// What the linearisation of a residual refers to.
 struct ResidualFrame {
@@ -48,14 +53,19 @@ struct InertialState {
 /// e = (s_b − s_a)·n,  n = (n_a + n_b)/|n_a + n_b|  (paper, SLAM: e_surf), m. n turns with the correction: turning both
 /// surfels alike leaves e as it is, so that nothing but GPS turns the map.
 /// The Jacobian is first + second: what each surfel's pose does to e. Both hold e.
-struct SurfelResidual {
+struct PairResidual {
   SplineResidual first, second;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< n
   double error() const { return first.error; }
 };
 /// e alone, m.
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b);
-SurfelResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
+PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
+
+/// e = (q_b − q_a)·n with the axes q = t(τ) + r(τ)·(c + depth·v) of two visits to a pole, n a fixed direction, m.
+/// Both directions across the poles together, with one weight, turn nothing either.
+PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
+                           const Eigen::Vector3d& n);
 
 /// Mean over the samples first … first+count-1 of
 ///   e = r(τ)·(a − b_a) − ẗ(τ) − g     (paper, SLAM: e_imu,a; g points up: the specific force at rest), m/s²,

@@ -30,9 +30,16 @@ struct Surfel {
   std::uint8_t level = 0;                            ///< index into SurfelOptions::voxel_size_m
 };
 
-/// Surfels of the points of one time bin, in a fixed order. Points are brought together with `track`, which must cover
-/// their times. At most options.max_surfels_per_bin of each level are kept, spread evenly over the bin's voxels.
-std::vector<Surfel> extract_surfels(std::span<const BodyPoint> points, const PoseTrack& track,
-                                    const SurfelOptions& options, int threads = 1);
+/// What the points of one time bin show, in the order of time.
+struct Features {
+  std::vector<Surfel>
+      surfels;                ///< at most SurfelOptions::max_surfels_per_bin of each level, even over the bin's voxels
+  std::vector<Surfel> poles;  ///< sightings of poles, see find_poles()
+};
+
+/// Points are brought together with `track`, which must cover their times. `sensor`: where the beams start, in the IMU
+/// frame, to a decimetre.
+Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
+                          const SurfelOptions& options, const PoleOptions& poles, int threads = 1);
 
 }  // namespace rayfield::slam

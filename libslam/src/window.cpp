@@ -120,7 +120,7 @@ SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> 
   sums.matches = matches.size();
   for (const SurfelMatch& m : matches) {
     const Surfel &a = surfels[m.first], &b = surfels[m.second];
-    const SurfelResidual r = surfel_residual(frame, a, b);
+    const PairResidual r = surfel_residual(frame, a, b);
     const double layers = static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
     const double variance = weights.sigma_m * weights.sigma_m + weights.layer_share * layers;
     const double square = r.error() * r.error();

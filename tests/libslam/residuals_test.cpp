@@ -167,12 +167,12 @@ Surfel surfel_at(double time, const Eigen::Vector3f& center, const Eigen::Vector
 struct Placed {
   Eigen::Vector3d center, normal;
 };
-Placed place(const TwoPoses& s, const Surfel& q, const Eigen::VectorXd& x) {
+Placed place(const TwoPoses& s, double time_s, const Placed& body, double spin_rate_rad_s, const Eigen::VectorXd& x) {
   const double lidar = x[6 * s.frame.extra_block + 2], angle = x[6 * s.frame.extra_block + 3];
-  const Eigen::Quaterniond turn = exp_so3((angle + lidar * static_cast<double>(q.spin_rate_rad_s)) * s.frame.spin_axis);
-  const Eigen::Vector3d c = turn * (q.center.cast<double>() - s.frame.spin_origin) + s.frame.spin_origin;
-  const SplineWeights w = s.frame.spline.weights(q.time_s);
-  Rigid3 pose = s.track.pose(q.time_s);
+  const Eigen::Quaterniond turn = exp_so3((angle + lidar * spin_rate_rad_s) * s.frame.spin_axis);
+  const Eigen::Vector3d c = turn * (body.center - s.frame.spin_origin) + s.frame.spin_origin;
+  const SplineWeights w = s.frame.spline.weights(time_s);
+  Rigid3 pose = s.track.pose(time_s);
   Eigen::Vector3d move = Eigen::Vector3d::Zero(), by = move;
   for (int j = 0; j < 4; ++j) {
     const Vector6d d = x.segment<6>(6 * (w.first + j));
@@ -180,9 +180,13 @@ Placed place(const TwoPoses& s, const Surfel& q, const Eigen::VectorXd& x) {
     move += w.value[j] * (d.head<3>() + d.tail<3>().cross(lever));
     by += w.value[j] * d.tail<3>();
   }
-  pose.translation += move + lidar * s.track.velocity(q.time_s);
-  pose.rotation = exp_so3(by + lidar * s.track.angular_velocity(q.time_s)) * pose.rotation;
-  return {pose * c, pose.rotation * (turn * q.normal.cast<double>())};
+  pose.translation += move + lidar * s.track.velocity(time_s);
+  pose.rotation = exp_so3(by + lidar * s.track.angular_velocity(time_s)) * pose.rotation;
+  return {pose * c, pose.rotation * (turn * body.normal)};
+}
+Placed place(const TwoPoses& s, const Surfel& q, const Eigen::VectorXd& x) {
+  const Placed body{q.center.cast<double>(), q.normal.cast<double>()};
+  return place(s, q.time_s, body, static_cast<double>(q.spin_rate_rad_s), x);
 }
 
 TEST(SurfelResidual, HasTheDerivativeThatDifferencesGive) {
@@ -210,6 +214,30 @@ TEST(SurfelResidual, DoesNotChangeWhenTheWholeDriveIsTurned) {
   for (int j = 0; j < s.frame.spline.knots(); ++j)
     x.segment<6>(6 * j) << turn.cross(s.frame.anchor[static_cast<std::size_t>(j)] - about), turn;
   EXPECT_NEAR((both * x)[0], 0, 1e-12);
+}
+
+TEST(PoleResidual, HasTheDerivativeThatDifferencesGive) {
+  const TwoPoses s;
+  const auto visit = [](double time_s, const Eigen::Vector3d& center, const Eigen::Vector3d& view) {
+    PoleVisit v;
+    v.time_s = time_s, v.center = center, v.view = view, v.sightings = 3, v.spin_rate_rad_s = 3.1f;
+    return v;
+  };
+  const PoleVisit a = visit(0.33, {2, 1, -1}, {0.9, 0.3, 0}), b = visit(1.47, {1.5, -0.5, -1.2}, {-0.2, -0.9, 0.1});
+  constexpr double kDepth = 0.03;
+  const Eigen::Vector3d n = Eigen::Vector3d::UnitY();
+  const auto r = pole_residual(s.frame, a, b, kDepth, n);
+  const auto axis = [&](const PoleVisit& v, const Eigen::VectorXd& x) -> Eigen::Vector3d {
+    const double depth = kDepth + x[6 * s.frame.extra_block + kPoleDepth];
+    const Placed body{v.center + depth * v.view, Eigen::Vector3d::UnitX()};
+    return place(s, v.time_s, body, static_cast<double>(v.spin_rate_rad_s), x).center;
+  };
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return Eigen::Matrix<double, 1, 1>(n.dot(axis(b, x) - axis(a, x)));
+  };
+  const Eigen::MatrixXd both = dense(r.first.linear(), s.blocks) + dense(r.second.linear(), s.blocks);
+  EXPECT_NEAR(r.error(), f(Eigen::VectorXd::Zero(6 * s.blocks))[0], 1e-9);
+  EXPECT_LT((both - numeric(f, 1, 6 * s.blocks)).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {

@@ -39,7 +39,8 @@ TEST(ExtractSurfels, FindsThePlaneItsThicknessAndTheSideOfTheSensor) {
   const Eigen::Vector3d n = Eigen::Vector3d(0.2, -0.1, 1).normalized(), at(3, 1, 0);
   SurfelOptions options;
   options.voxel_size_m = {0.6};
-  const auto surfels = extract_surfels(plane_points(n, at, 0.01, 4000, track), track, options);
+  const auto surfels =
+      extract_features(plane_points(n, at, 0.01, 4000, track), Eigen::Vector3d::Zero(), track, options, {}).surfels;
   ASSERT_GT(surfels.size(), 4u);
   // Where a face of a cell cuts the noisy layer lengthways the cell sees a part of its thickness only: each surfel is
   // held to one standard deviation of the noise, the typical one to a third.
@@ -69,8 +70,9 @@ TEST(ExtractSurfels, SeesAPlaneAsOneThoughTheVehicleMovedWhileMeasuringIt) {
   }
   SurfelOptions options;
   options.voxel_size_m = {0.6};
-  for (const Surfel& s :
-       extract_surfels(plane_points(Eigen::Vector3d::UnitZ(), {3, 1, 0}, 0, 4000, track), track, options)) {
+  for (const Surfel& s : extract_features(plane_points(Eigen::Vector3d::UnitZ(), {3, 1, 0}, 0, 4000, track),
+                                          Eigen::Vector3d::Zero(), track, options, {})
+                             .surfels) {
     EXPECT_LT(static_cast<double>(s.variance_m2), 1e-10);
     EXPECT_NEAR((track.pose(s.time_s) * s.center.cast<double>()).z(), 0, 2e-4);
   }
@@ -87,10 +89,10 @@ TEST(ExtractSurfels, GivesNothingForASingleScanLineOrABall) {
   }
   SurfelOptions options;
   options.voxel_size_m = {1.2};
-  EXPECT_TRUE(extract_surfels(line, track, options).empty());
-  for (const Surfel& s : extract_surfels(ball, track, options))
+  EXPECT_TRUE(extract_features(line, Eigen::Vector3d::Zero(), track, options, {}).surfels.empty());
+  for (const Surfel& s : extract_features(ball, Eigen::Vector3d::Zero(), track, options, {}).surfels)
     EXPECT_GT(static_cast<double>(s.variance_m2), 1e-3);  // a cut ball may look flat, but never thin
-  EXPECT_TRUE(extract_surfels({}, track, options).empty());
+  EXPECT_TRUE(extract_features({}, Eigen::Vector3d::Zero(), track, options, {}).surfels.empty());
 }
 
 PlacedSurfel placed(float x, float y, float z, const Eigen::Vector3f& n, float time) {

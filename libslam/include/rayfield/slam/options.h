@@ -47,6 +47,32 @@ struct WindowOptions {
   Result<void> validate() const;
 };
 
+/// Posts and trunks as landmarks of the global stage.
+struct PoleOptions {
+  // A sighting: a voxel of the smallest resolution in one time bin.
+  int min_points = 5;                  ///< ≥ 4
+  double max_spread_m = 0.035;         ///< of its points, horizontal standard deviation, 0.005–0.2
+  double min_upright_fraction = 0.18;  ///< of the voxel's edge: their vertical standard deviation, 0.05–0.28
+  double max_around = 0.2;             ///< points in the voxels around it, as a share of its own, 0–2
+  double max_range_m = 8;              ///< horizontal, from the sensor, 1–50
+  // A visit: the sightings of one slice in one pass.
+  double slice_m = 0.25;   ///< of height: poles lean, 0.05–5
+  double gather_m = 0.12;  ///< horizontal, 0.02–0.5
+  double max_pause_s = 3;  ///< between two sightings, 0.5–60
+  // Pairs of visits.
+  double reach_m = 0.1;      ///< between the axes of two visits, besides the slack of revisits; 0.01–0.5
+  double max_reach_m = 0.4;  ///< the same with the slack, ≥ reach_m, ≤ 2
+  /// Standard deviation of the axis of a visit in either direction, besides the scatter of its scan lines on the pole;
+  /// that of the depth from pole to pole. m, > 0.
+  double sigma_m = 0.006, thickness_sigma_m = 0.006;
+  /// From the visible surface of poles to their axis before it is estimated, 0–0.5 m, and its standard deviation, > 0.
+  double depth_m = 0.02, depth_sigma_m = 0.02;
+  /// How often a pair counts in the solution: surfels are given more weight than is honest there, too (docs/slam.md).
+  /// 0: poles are not used; ≤ 100.
+  double weight = 3;
+  Result<void> validate() const;
+};
+
 /// Stage b: global registration of the whole drive.
 struct GlobalOptions {
   double knot_step_s = 1.0;     ///< spacing of the correction spline, 0.2–2
@@ -92,6 +118,7 @@ struct SlamOptions {
   SurfelOptions surfels;
   MatchOptions match;
   WindowOptions window;
+  PoleOptions poles;
   GlobalOptions global;
   GpsOptions gps;
   /// A window whose mean position lidar alone knows worse than this in some direction is reported as degenerate, m.

@@ -62,7 +62,8 @@ struct SlamReport {
 
   std::uint64_t lidar_scans = 0, lidar_points = 0, lidar_hits = 0, surfels = 0;
   int windows = 0;
-  ResidualSummary window_surfels_m, near_surfels_m, revisit_surfels_m, gps_m, gyro_rad_s, accel_m_s2;
+  ResidualSummary window_surfels_m, near_surfels_m, revisit_surfels_m, poles_m, gps_m, gyro_rad_s, accel_m_s2;
+  double pole_depth_m = 0;          ///< from the visible surface of posts and trunks to their axes
   std::uint64_t loop_closures = 0;  ///< surfel matches between different visits
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches, different visits, linked by at least ten of them
   double surfel_thickness_m = 0;    ///< spread of flat surfaces seen at different visits (robust sigma); NaN: none
