@@ -31,7 +31,7 @@ void add_stretch(KeyBuilder& key, const Stretch& s) {
 
 void add_wood(KeyBuilder& key, const WoodCylinder& w) {
   key.add(std::vector<double>{static_cast<double>(w.row), w.base.x(), w.base.y(), w.base.z(), w.axis.x(), w.axis.y(),
-                              w.axis.z(), w.radius_m, w.length_m});
+                              w.axis.z(), w.radius_m, w.length_m, w.bend_m});
 }
 
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
