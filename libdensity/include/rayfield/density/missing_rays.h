@@ -13,7 +13,7 @@ namespace rayfield::density {
 struct MissingRayOptions {
   double lowest_elevation_rad = -0.26;  ///< gaps that reach further below the horizon (−15°) stay open: there the
                                         ///< ground sends rays back, and the vehicle stopped them. Valid: −1.5…0
-  int longest_gap = 64;  ///< beams in a row that may be missing, 1…1000
+  int longest_gap = 64;                 ///< beams in a row that may be missing, 1…1000
   int most_above = 2;  ///< beams above the horizon in a gap; with more, it is not for want of a return. Valid: 0…1000
   Result<void> validate() const;
 };
