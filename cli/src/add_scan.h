@@ -15,7 +15,7 @@ struct ScanInputs {
   std::vector<std::filesystem::path> files;  ///< ray clouds (raycloudtools PLY) and logs, in the order of their times
   std::string rig_file;                      ///< for the logs
   bool allow_truncated = false;              ///< take what is there of a cloud that was cut short
-  bool restore_missing = false;              ///< put back the downward rays without a return that clouds leave out
+  bool restore_missing = true;               ///< put back the downward rays without a return that clouds leave out
 };
 
 /// Errors: usage where a log is given without a rig file.

@@ -98,8 +98,9 @@ void add_add_verb(Commands& commands) {
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
   command->add_flag(
-      "--restore-missing", arguments->inputs.restore_missing,
-      "Put back the downward rays without a return that clouds leave out; for steep blocks (docs/density.md)");
+      "--restore-missing,!--no-restore-missing", arguments->inputs.restore_missing,
+      "Put back the downward rays without a return that clouds leave out, from the beams' timing (docs/density.md; "
+      "the default)");
   command->add_flag("--allow-truncated", arguments->inputs.allow_truncated,
                     "Take what is there of a cloud that was cut short");
 }

@@ -101,6 +101,12 @@ void add_process_verb(Commands& commands) {
                    "Of ellipsoidal leaf angles: horizontal over vertical semi-axis")
       ->capture_default_str();
   command
+      ->add_option(
+          "--sure-return", options.voxels.sure_return_m,
+          "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack those "
+          "that came back from nowhere; 0: count all, as is done where a scan holds them")
+      ->capture_default_str();
+  command
       ->add_option("--panel-length", arguments->panel_length_m,
                    "Length of a panel, m (default: between the posts found)")
       ->check(CLI::Range(0.5, 200.0));

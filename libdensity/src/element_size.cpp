@@ -153,8 +153,10 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
   for (int step = 0; step < 30; ++step) {
     const double side = std::sqrt(low * high);
     double excess = 0;
+    // A share f of hits on canes and wires takes f·q from q ≈ 1 − 4r/(π·side): its pull on the side, f·q/(dq/dside),
+    // goes with 1/r. Distances weigh with r², as if that were their error.
     for (const Observed& o : observed)
-      excess += o.weight * excess_at_depth(o, same_element(samples, o.r, side, range_noise_m));
+      excess += o.weight * o.r * o.r * excess_at_depth(o, same_element(samples, o.r, side, range_noise_m));
     (excess > 0 ? low : high) = side;
   }
   out.area_m2 = low * high;

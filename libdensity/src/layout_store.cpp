@@ -8,7 +8,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kLayoutVersion = 1;
+constexpr int kLayoutVersion = 2;
 constexpr const char* kKind = "rows";
 
 // What the layout depends on besides the rays it was found in.

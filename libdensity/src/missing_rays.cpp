@@ -26,9 +26,10 @@ Eigen::Vector3d turn_towards(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 }  // namespace
 
 Result<void> MissingRayOptions::validate() const {
-  if (!(lowest_elevation_rad >= -1.5 && lowest_elevation_rad <= 0) || longest_gap < 1 || longest_gap > 1000)
-    return fail(ErrorCode::usage, "bad option for missing rays", "lowest_elevation_rad, longest_gap",
-                "must lie in -1.5…0 and 1…1000");
+  if (!(lowest_elevation_rad >= -1.5 && lowest_elevation_rad <= 0) || longest_gap < 1 || longest_gap > 1000 ||
+      most_above < 0 || most_above > 1000)
+    return fail(ErrorCode::usage, "bad option for missing rays", "lowest_elevation_rad, longest_gap, most_above",
+                "must lie in -1.5…0, 1…1000 and 0…1000");
   return {};
 }
 
@@ -55,6 +56,27 @@ void MissingRaySource::study_times() {
   usable_ = static_cast<double>(regular) > kMinRegular * static_cast<double>(in_.size()) && longest_m_ > 0;
 }
 
+void MissingRaySource::restore(const Last& now, double angle, int periods) {
+  // Beams that a part of the vehicle stopped were no free rays. Their gaps go on above the horizon, where clouds keep
+  // rays without a return, or reach down to where the ground would have sent them back.
+  const double lowest = std::sin(options_.lowest_elevation_rad);
+  int above = 0;
+  for (int j = 1; j < periods; ++j) {
+    const Eigen::Vector3d d = turn_towards(last_.direction, now.direction, angle, static_cast<double>(j) / periods);
+    if (d.z() < lowest) return;
+    if (d.z() >= 0) ++above;
+  }
+  if (above > options_.most_above) return;
+  for (int j = 1; j < periods; ++j) {
+    const double f = static_cast<double>(j) / periods;
+    const Eigen::Vector3d d = turn_towards(last_.direction, now.direction, angle, f);
+    if (d.z() >= 0) continue;
+    const Eigen::Vector3d origin = (1 - f) * last_.origin + f * now.origin;
+    out_.push(origin, origin + longest_m_ * d, last_.time_s + j * period_s_, 0, false);
+    ++restored_;
+  }
+}
+
 void MissingRaySource::process(std::size_t i) {
   const Eigen::Vector3d way = in_.end[i] - in_.origin[i];
   const double length = way.norm();
@@ -70,14 +92,7 @@ void MissingRaySource::process(std::size_t i) {
     if (whole && k >= 2 && k <= options_.longest_gap + 1 && last_.step_rad > 0 && angle > 1e-6 && angle < kMaxSpanRad &&
         std::abs(angle - expected) < kStepTolerance * expected) {
       now.step_rad = angle / k;
-      for (int j = 1; j < static_cast<int>(k); ++j) {
-        const double f = j / k;
-        const Eigen::Vector3d d = turn_towards(last_.direction, now.direction, angle, f);
-        if (d.z() >= 0 || d.z() < std::sin(options_.lowest_elevation_rad)) continue;
-        const Eigen::Vector3d origin = (1 - f) * last_.origin + f * now.origin;
-        out_.push(origin, origin + longest_m_ * d, last_.time_s + j * period_s_, 0, false);
-        ++restored_;
-      }
+      restore(now, angle, static_cast<int>(k));
     }
   }
   out_.push(in_.origin[i], in_.end[i], in_.time_s[i], in_.intensity[i], in_.hit[i] != 0);
@@ -129,7 +144,7 @@ std::vector<std::string> MissingRaySource::warnings() const {
   if (studied_ && !usable_)
     out.push_back(
         "the times of the rays do not tell beams apart: downward rays without a return cannot be restored, "
-        "density on slopes may come out too high");
+        "what runs level is left out of the density");
   else if (restored_ > 0)
     out.push_back(std::to_string(restored_) + " downward rays without a return restored from gaps between beams");
   return out;

@@ -113,6 +113,17 @@ struct RowStems {
   std::vector<double> inferred;
 };
 
+// The vines of a block are trained to one height; a trunk that seems to go on above it has a cane or leaves on its
+// axis.
+void end_trunks_at_usual_height(std::vector<RowStems>& rows) {
+  std::vector<double> tops;
+  for (const RowStems& row : rows)
+    for (const PlacedStem& trunk : row.trunks) tops.push_back(trunk.stem.top_m);
+  const double usual = median(tops, 0);
+  for (RowStems& row : rows)
+    for (PlacedStem& trunk : row.trunks) trunk.stem.top_m = std::min(trunk.stem.top_m, usual);
+}
+
 void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOptions& options, double usual_height,
                double usual_radius, PostReport& report) {
   // Places of unseen posts are kept as points: the centreline under them is about to move.
@@ -219,6 +230,7 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
       report.warnings.push_back(fmt::format("row {}: no posts seen", layout.rows[r].number));
     sorted.push_back(std::move(row));
   }
+  end_trunks_at_usual_height(sorted);
   const double usual_height = median(heights, 1.8), usual_radius = median(radii, 0.05);
   layout.posts.clear(), layout.trunks.clear();
   for (std::size_t r = 0; r < layout.rows.size(); ++r)

@@ -19,6 +19,8 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
   if (!block.known) RAYFIELD_CHECK(found_layout_becomes_the_blocks(work, surveyed, writer, block));
   work.layout_key = block.key;
+  work.voxels = options.voxels;
+  if (holds_downward_misses(surveyed.surveys)) work.voxels.sure_return_m = 0;
 
   const std::vector<WoodCylinder> wood = wood_of(block.layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, block.layout, surveyed.ground));

@@ -13,7 +13,7 @@ namespace rayfield::density {
 namespace {
 
 // Raised whenever the code of a stage computes something else from the same input.
-constexpr int kSurveyVersion = 1, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
+constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
 
 // Tiles within `reach_m` of a tile, itself among them.
 std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex index, double tile_size_m,

@@ -19,6 +19,7 @@ struct ScanWork {
   Derivation& files;
   Progress& progress;
   int threads = 1;
+  VoxelOptions voxels = {};     ///< the options', or for a scan with all its rays: count all
   std::string layout_key = {};  ///< names the layout in the keys of what depends on it
 
   double tile_size_m() const { return store.config().tile_size_m; }

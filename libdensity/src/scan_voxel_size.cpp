@@ -10,7 +10,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kVoxelSizeVersion = 1;
+constexpr int kVoxelSizeVersion = 2;
 
 // Neighbouring beams in a sample of one tile's chunks; sums of integers, so that their order does not matter.
 Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
@@ -41,7 +41,7 @@ Result<ElementPairs> sample_scan(ScanWork& work, const StretchList& stretches, s
         scene_of(entry.index, work.tile_size_m(), work.store.config().tile_margin_m, stretches, wood);
     if (scene.stretches.empty()) continue;
     RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(), scene.stretches,
-                                                                     scene.wood, work.options.voxels));
+                                                                     scene.wood, work.voxels));
     if (empty.empty()) continue;
     RAYFIELD_ASSIGN(const ElementPairs here, sample_tile(work, entry, std::move(empty)));
     pairs += here;
@@ -63,7 +63,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
   if (work.options.estimator.leaf_area_m2 > 0) return fitted_size(work.options.estimator.leaf_area_m2, fit);
   KeyBuilder key("voxelsize", kVoxelSizeVersion);
   add_options(key, work.options.stretches);
-  add_options(key, work.options.voxels);
+  add_options(key, work.voxels);
   add_options(key, fit).add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));

@@ -31,7 +31,7 @@ void add_stretch(KeyBuilder& key, const Stretch& s) {
 
 void add_wood(KeyBuilder& key, const WoodCylinder& w) {
   key.add(std::vector<double>{static_cast<double>(w.row), w.base.x(), w.base.y(), w.base.z(), w.axis.x(), w.axis.y(),
-                              w.axis.z(), w.radius_m, w.length_m});
+                              w.axis.z(), w.radius_m, w.length_m, w.bend_m});
 }
 
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
@@ -79,10 +79,10 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchL
     work.progress.advance(entry.start_count);
     if (scene.stretches.empty()) continue;
     RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(), scene.stretches,
-                                                                     scene.wood, work.options.voxels));
+                                                                     scene.wood, work.voxels));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
-    add_options(key, work.options.voxels).add(entry.content_sha256());
+    add_options(key, work.voxels).add(entry.content_sha256());
     for (const Stretch& stretch : scene.stretches) add_stretch(key, stretch);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
     RAYFIELD_CHECK(work.files.get("voxels", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {

@@ -24,6 +24,8 @@ struct Seed {
 struct Contrast {
   double on = 0, around = 0;  // hits
   double on_area = 1, around_area = 1;
+  /// Hits beyond what the surroundings have on as large an area.
+  double excess() const { return on - around * on_area / around_area; }
   double ratio() const { return (on / on_area) / std::max(around / around_area, 0.5 / around_area); }
   void add(const Contrast& other) { on += other.on, around += other.around; }
 };
@@ -102,36 +104,65 @@ struct Circle {
   double radius = 0.03;
 };
 
-// Gauss-Newton on Σ w(|p−c|−R)², cells of the low zone within reach; a weak pull keeps R near 3 cm where only an arc
-// is seen. Cells beyond 5 cm from the surface are left out as the fit proceeds.
+// Where the hits of each low slab lie beside all of them, by their centres of mass. Trunks bend, and a circle through
+// the hits of all heights at once would come out wider by as much. Both lanes see every slab from the same sides, so
+// that what the centres of mass miss of the axis is the same for all.
+std::vector<Eigen::Vector2d> bend_of(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& centre) {
+  constexpr double kNear = 0.08, kMostBend = 0.03;  // m
+  constexpr double kEnough = 6;                     // hits
+  std::vector<Eigen::Vector2d> sums(static_cast<std::size_t>(zone.end - zone.first), Eigen::Vector2d::Zero());
+  std::vector<double> hits(sums.size(), 0.0);
+  for_cells_near(g, centre, kNear, [&](int a, int c, const Eigen::Vector2d& d) {
+    const auto column = g.column(a, c);
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+      const double n = column[static_cast<std::size_t>(zone.first) + s];
+      sums[s] += n * d, hits[s] += n;
+    }
+  });
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double total = 0;
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    if (hits[s] >= kEnough) mean += sums[s], total += hits[s];
+  std::vector<Eigen::Vector2d> bend(sums.size(), Eigen::Vector2d::Zero());
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    if (hits[s] < kEnough) continue;
+    bend[s] = sums[s] / hits[s] - mean / total;
+    if (bend[s].norm() > kMostBend) bend[s] *= kMostBend / bend[s].norm();
+  }
+  return bend;
+}
+
+// Gauss-Newton on Σ w(|p−b−c|−R)², cells of the low zone within reach, b the bend at their height; a weak pull keeps R
+// near 3 cm where only an arc is seen. Cells beyond 5 cm from the surface are left out as the fit proceeds.
 Circle fit_circle(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& start) {
+  constexpr int kCentring = 3;  // iterations that only move the circle to the hits' centre of mass
   Circle circle{start, 0.03};
   double reach = 0.12, scatter = 0;
+  std::vector<Eigen::Vector2d> bend(static_cast<std::size_t>(zone.end - zone.first), Eigen::Vector2d::Zero());
   for (int iteration = 0; iteration < 20; ++iteration) {
+    if (iteration == kCentring) bend = bend_of(g, zone, circle.centre);
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     double total = 0, squares = 0;
-    const auto weight = [&](int a, int c) {
+    for_cells_near(g, circle.centre, reach, [&](int a, int c, const Eigen::Vector2d& from_centre) {
       const auto column = g.column(a, c);
-      double w = 0;
-      for (int s = zone.first; s < zone.end; ++s) w += column[static_cast<std::size_t>(s)];
-      return w;
-    };
-    for_cells_near(g, circle.centre, reach, [&](int a, int c, const Eigen::Vector2d& d) {
-      const double w = weight(a, c);
-      if (w <= 0) return;
-      total += w, mean += w * d;
-      const double r = std::max(d.norm(), 1e-4);
-      const Eigen::Vector3d row(-d.x() / r, -d.y() / r, -1);
-      const double residual = r - circle.radius;
-      squares += w * residual * residual;
-      normal += w * row * row.transpose();
-      right -= w * residual * row;
+      for (std::size_t s = 0; s < bend.size(); ++s) {
+        const double w = column[static_cast<std::size_t>(zone.first) + s];
+        if (w <= 0) continue;
+        const Eigen::Vector2d d = from_centre - bend[s];
+        total += w, mean += w * d;
+        const double r = std::max(d.norm(), 1e-4);
+        const Eigen::Vector3d row(-d.x() / r, -d.y() / r, -1);
+        const double residual = r - circle.radius;
+        squares += w * residual * residual;
+        normal += w * row * row.transpose();
+        right -= w * residual * row;
+      }
     });
     if (total < 4) return circle;
     scatter = squares / total;
-    if (iteration < 3) {
+    if (iteration < kCentring) {
       circle.centre += mean / total;
       continue;
     }
@@ -175,17 +206,21 @@ void follow_up(const StemGrid& g, const Zone& zone, const Circle& circle, double
     if (lean.norm() > 0.2) lean *= 0.2 / lean.norm();
   };
   for (int slab = zone.first; slab < zone.end; ++slab) take(slab);
-  int missing = 0, top = zone.end;
+  // One leaf on the axis looks like a slab of trunk, two above each other are rare: after a gap it takes two. Of the
+  // last slab the stem fills as much as it has hits of a full one.
+  int missing = 0, run = 0, top = zone.end;
+  double last = low_hits;
   const double radius = circle.radius;
   for (int slab = zone.end; slab < g.n_slabs && missing < 3; ++slab) {
     const double h = (slab + 0.5) * g.slab_m - middle;
     const Contrast here = contrast_at(g, centre + lean * h, radius, slab);
-    const bool on = here.on >= std::max(2.0, 0.4 * low_hits) && here.ratio() >= 1.5;
+    const bool on = here.excess() >= std::max(2.0, 0.4 * low_hits) && here.ratio() >= 1.5;
     missing = on ? 0 : missing + 1;
-    if (on) top = slab + 1;
+    run = on ? run + 1 : 0;
+    if (on && (slab == top || run >= 2)) top = slab + 1, last = here.excess();
     if (here.on >= 2 && here.ratio() >= options.min_contrast) take(slab);
   }
-  stem.top_m = top * g.slab_m;
+  stem.top_m = (top - 1 + std::min(1.0, last / low_hits)) * g.slab_m;
   stem.lean = lean;
   stem.foot = centre - lean * middle;
 }

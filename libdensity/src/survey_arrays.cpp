@@ -49,7 +49,7 @@ Result<void> read_path(const tile::ArraySet& arrays, TileSurvey& survey) {
 
 tile::ArraySet survey_to_arrays(const TileSurvey& s) {
   tile::ArraySet out;
-  out.kind = "survey", out.version = 1;
+  out.kind = "survey", out.version = 2;
   out.attributes = nlohmann::json{{"ix", s.index.ix},
                                   {"iy", s.index.iy},
                                   {"tile_size_m", s.tile_size_m},
@@ -61,6 +61,8 @@ tile::ArraySet survey_to_arrays(const TileSurvey& s) {
                                   {"starts", s.starts},
                                   {"ends", s.ends},
                                   {"hits", s.hits},
+                                  {"misses_above", s.misses_above},
+                                  {"misses_below", s.misses_below},
                                   {"first_time_s", s.first_time_s},
                                   {"last_time_s", s.last_time_s},
                                   {"lowest_hit_m", or_null(s.lowest_hit_m)},
@@ -89,7 +91,7 @@ tile::ArraySet survey_to_arrays(const TileSurvey& s) {
 
 Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays) {
   constexpr int kMostCells = 10000, kIndex = std::numeric_limits<int>::max();
-  RAYFIELD_ASSIGN(const nlohmann::json json, stored_attributes(arrays, "survey", 1));
+  RAYFIELD_ASSIGN(const nlohmann::json json, stored_attributes(arrays, "survey", 2));
   TileSurvey s;
   RAYFIELD_ASSIGN(s.index.ix, stored_count(arrays, json, "ix", -kIndex, kIndex));
   RAYFIELD_ASSIGN(s.index.iy, stored_count(arrays, json, "iy", -kIndex, kIndex));
@@ -101,6 +103,8 @@ Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays) {
   if (!(s.tile_size_m > 0) || !(s.bin_m > 0) || !(s.path_step_s > 0)) return damaged(arrays, "a size is not positive");
   s.segments = json.value("segments", std::int64_t{0}), s.starts = json.value("starts", std::int64_t{0});
   s.ends = json.value("ends", std::int64_t{0}), s.hits = json.value("hits", std::int64_t{0});
+  s.misses_above = json.value("misses_above", std::int64_t{0});
+  s.misses_below = json.value("misses_below", std::int64_t{0});
   RAYFIELD_ASSIGN(s.first_time_s, stored_number(arrays, json, "first_time_s"));
   RAYFIELD_ASSIGN(s.last_time_s, stored_number(arrays, json, "last_time_s"));
   s.lowest_hit_m = null_is_nan(json, "lowest_hit_m"), s.highest_hit_m = null_is_nan(json, "highest_hit_m");

@@ -81,7 +81,7 @@ void VoxelIndex::cover_cylinder(const WoodCylinder& wood, double shell_m, int bi
   const Eigen::Vector3d tip = wood.base + wood.axis * (wood.length_m + shell_m);
   Eigen::AlignedBox2d box(Eigen::Vector2d(wood.base.head<2>().cwiseMin(tip.head<2>())),
                           Eigen::Vector2d(wood.base.head<2>().cwiseMax(tip.head<2>())));
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(wood.radius_m + shell_m);
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(wood.radius_m + wood.bend_m + shell_m);
   const Eigen::Vector2d lo = (box.min() - reach - origin_) / kCell, hi = (box.max() + reach - origin_) / kCell;
   if (hi.x() < 0 || hi.y() < 0 || lo.x() >= nx_ || lo.y() >= ny_) return;
   for (int iy = std::max(0, static_cast<int>(lo.y())); iy <= std::min(ny_ - 1, static_cast<int>(hi.y())); ++iy)

@@ -299,7 +299,7 @@ def main():
     parser.add_argument("out")
     parser.add_argument("sites", nargs="+")
     parser.add_argument("--json")
-    parser.add_argument("--restore-missing", action="store_true", help="add scans with --restore-missing")
+    parser.add_argument("--no-restore-missing", action="store_true", help="add scans as their clouds are")
     parser.add_argument("--slam", action="store_true", help="rays from the logs through SLAM instead of true poses")
     parser.add_argument("--keep", action="store_true", help="keep simulated logs, clouds and blocks (1 GB a site)")
     parser.add_argument("--reuse", action="store_true", help="take simulations that an earlier --keep left")
@@ -335,7 +335,7 @@ def main():
                 bad = bad or bool(figures["missed"])
             date, _, label = os.path.basename(scan).partition("_")
             added = run(arguments.rayfield, "add", block, rays, "--date", date, *(["--name", label] if label else []),
-                        *(["--restore-missing"] if arguments.restore_missing else []), "--json", "-q")
+                        *(["--no-restore-missing"] if arguments.no_restore_missing else []), "--json", "-q")
             ids.append(added["scan_id"])
             if not keep:
                 for path in glob.glob(f"{scan}/*.ply") + glob.glob(f"{scan}/*.bag"):

@@ -16,9 +16,11 @@ using testing::HedgeOptions;
 ElementPairs pairs_of(const Hedge& hedge) {
   const auto rays = hedge.scan({});
   ElementPairs out;
+  VoxelOptions count_all;
+  count_all.sure_return_m = 0;  // no ray of these scans is missing
   for (int iy = -1; iy <= 0; ++iy)
     for (int ix = -1; ix <= 0; ++ix) {
-      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, hedge.stretches(0.12, 0.72, 2.4), {}, {});
+      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, hedge.stretches(0.12, 0.72, 2.4), {}, count_all);
       if (!accumulator || !accumulator->add(rays)) return {};
       out += std::move(*accumulator).finish().pairs;
     }

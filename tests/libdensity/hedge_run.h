@@ -19,9 +19,11 @@ inline RowDensity density_of(const Hedge& hedge, const tile::SegmentBatch& rays,
   const auto wood = hedge.posts();
   std::vector<TileVoxels> tiles;
   ElementPairs pairs;
+  VoxelOptions count_all;
+  count_all.sure_return_m = 0;  // no ray of these scans is missing
   for (int iy = -1; iy <= 0; ++iy)
     for (int ix = -1; ix <= 0; ++ix) {
-      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, stretches, wood, {});
+      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, stretches, wood, count_all);
       EXPECT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
       tiles.push_back(std::move(*accumulator).finish());
       pairs += tiles.back().pairs;

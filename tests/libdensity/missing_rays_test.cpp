@@ -32,8 +32,9 @@ class Rays : public RaySource {
 };
 
 /// A lidar that turns in a vertical plane over flat ground, 286 beams a turn; the plane turns slowly. Without walls the
-/// rays within `blind` of the horizon find nothing; a cloud keeps the upper of these. `all`: keeps the lower, too.
-RayBatch sweep(double blind_rad, bool all) {
+/// rays within `blind` of the horizon find nothing; a cloud keeps the upper of these. `all`: keeps the lower, too. Rays
+/// from `mast_low` to `mast_high` of elevation, ahead, meet the vehicle and are in no cloud.
+RayBatch sweep(double blind_rad, bool all, double mast_low_rad = 0, double mast_high_rad = 0) {
   RayBatch out;
   for (int i = 0; i < 20000; ++i) {
     const double t = 1.6e9 + i * kPeriod, elevation = 2 * std::numbers::pi * i / 286.0, spin = 0.5 * i * kPeriod;
@@ -42,6 +43,8 @@ RayBatch sweep(double blind_rad, bool all) {
     const Eigen::Vector3d o(1.2 * i * kPeriod, 0, 1.7);
     const bool hit = d.z() < -std::sin(blind_rad);
     if (!hit && d.z() < 0 && !all) continue;
+    const double ahead = std::remainder(elevation, 2 * std::numbers::pi);
+    if (ahead > mast_low_rad && ahead < mast_high_rad) continue;
     out.push(o, o + d * (hit ? 1.7 / -d.z() : 40.0), t, 9, hit);
   }
   return out;
@@ -91,14 +94,29 @@ TEST(MissingRays, ACompleteCloudIsPassedOnUnchanged) {
 }
 
 TEST(MissingRays, GapsBelowTheLowestElevationStayOpen) {
-  Rays kept(sweep(0.5, false));  // a blind zone down to 29°
+  const RayBatch gaps = sweep(0.5, false);  // a blind zone down to 29°
+  Rays kept(gaps);
   auto source = MissingRaySource::create(kept, {});
   ASSERT_TRUE(source.has_value());
-  const RayBatch restored = read_all(**source, 1000);
-  for (std::size_t i = 0; i < restored.size(); ++i) {
-    const double down = (restored.end[i] - restored.origin[i]).normalized().z();
-    if (restored.hit[i] == 0) {
-      EXPECT_GE(down, std::sin(-0.26) - 1e-9);
+  EXPECT_EQ(read_all(**source, 1000).end, gaps.end);
+  EXPECT_EQ((*source)->restored(), 0u);
+}
+
+TEST(MissingRays, WhatAPartOfTheVehicleHidesStaysOpen) {
+  // Astern the gaps below the horizon are restored; ahead a mast hides from 10° below to 10° above, or the bonnet from
+  // 3° to 20° below.
+  const double degree = std::numbers::pi / 180;
+  for (const auto& [low, high] : {std::pair(-10.0, 10.0), std::pair(-20.0, -3.0)}) {
+    Rays kept(sweep(0.05, false, low * degree, high * degree));
+    auto source = MissingRaySource::create(kept, {});
+    ASSERT_TRUE(source.has_value());
+    const RayBatch restored = read_all(**source, 5000);
+    EXPECT_GT((*source)->restored(), 100u);
+    for (std::size_t i = 0; i < restored.size(); ++i) {
+      const Eigen::Vector3d d = (restored.end[i] - restored.origin[i]).normalized();
+      const double spin = 0.5 * (restored.time_s[i] - 1.6e9);
+      const double ahead = std::atan2(d.z(), d.x() * std::cos(spin) + d.y() * std::sin(spin));
+      EXPECT_FALSE(ahead > (low + 0.1) * degree && ahead < (high - 0.1) * degree) << ahead / degree;
     }
   }
 }
@@ -118,7 +136,7 @@ TEST(MissingRays, EmptyStreamsAndBadOptionsAreHandled) {
   auto source = MissingRaySource::create(none, {});
   ASSERT_TRUE(source.has_value());
   EXPECT_EQ(read_all(**source, 10).size(), 0u);
-  EXPECT_EQ(MissingRaySource::create(none, {0.5, 64}).error().code, ErrorCode::usage);
+  EXPECT_EQ(MissingRaySource::create(none, {0.5, 64, 2}).error().code, ErrorCode::usage);
 }
 
 }  // namespace

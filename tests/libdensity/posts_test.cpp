@@ -84,6 +84,43 @@ TEST(Posts, TrunksAreGivenWithTheirTops) {
   EXPECT_GT(2 * near_top, static_cast<int>(placed.layout.trunks.size()));
 }
 
+TEST(Posts, BentTrunksAreAsThickAsTheyAreAndEndWhereMostDo) {
+  constexpr double kRadius = 0.022, kTop = 0.9;
+  Scene scene(42);
+  Trellis trellis;
+  trellis.block.length_m = 30;
+  scene.add_ground({500015, 6100025}, {500065, 6100080}, 40, 0.015);
+  for (int i = 0; i <= 5; ++i) scene.add_cylinder(trellis.block.at(i * kPanel / 30, 0), 0.05, 1.8, 280);
+  int vine = 0;
+  for (double s = 0.75; s < 30; s += 1.5, ++vine) {
+    // A trunk that sways by two to four centimetres between its foot, two joints and its head; every third has a cane
+    // on its axis.
+    const Eigen::Vector2d foot = trellis.block.at(s / 30, 0);
+    Eigen::Vector2d joint[4];
+    for (Eigen::Vector2d& j : joint) j = foot + Eigen::Vector2d(scene.normal(0.025), scene.normal(0.025));
+    for (int i = 0; i < 300; ++i) {
+      const double h = scene.uniform(0, kTop), at = h / kTop * 3, share = at - std::floor(at);
+      const auto k = static_cast<std::size_t>(at);
+      const double angle = scene.uniform(0, 2 * M_PI), r = kRadius + scene.normal(0.01);
+      const Eigen::Vector2d p = joint[k] + share * (joint[std::min<std::size_t>(k + 1, 3)] - joint[k]) +
+                                r * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      scene.add_point({p.x(), p.y(), 100 + h});
+    }
+    if (vine % 3 == 0) scene.add_cylinder(joint[3], 0.01, 1.5, 150);
+  }
+  scene.add_canopy(trellis.block, 0, 0, 1, 150, 0.13, 0.9, 1.6);
+  scene.drive_lanes(trellis.block, {1.3, -1.3});
+  const Placed placed = place(scene);
+  ASSERT_GE(placed.layout.trunks.size(), 18U);
+  double radius = 0;
+  for (const Trunk& trunk : placed.layout.trunks) {
+    radius += trunk.radius_m / static_cast<double>(placed.layout.trunks.size());
+    EXPECT_LT(trunk.top_m, kTop + 0.12);
+    EXPECT_GT(trunk.top_m, kTop - 0.25);
+  }
+  EXPECT_NEAR(radius, kRadius, 0.0025);
+}
+
 TEST(Posts, ThatCannotBeSeenAreInferredFromTheRegularSpacing) {
   Scene scene(33);
   Trellis trellis;

@@ -93,6 +93,28 @@ TEST(Survey, LeavesOutSegmentsThatAreNotFinite) {
   EXPECT_EQ(sum.finish().hits, 1);
 }
 
+TEST(Survey, TellsScansThatKeepTheirDownwardRaysWithoutAReturnFromThoseThatDropThem) {
+  const auto survey = [](int above, int below, int steep) {
+    tile::SegmentBatch batch;
+    const auto push = [&](double rise, std::uint8_t flags) {
+      batch.entry.push_back({500001, 6100001, 101}), batch.exit.push_back({500011, 6100001, 101 + 10 * rise});
+      batch.time_s.push_back(1), batch.intensity.push_back(0), batch.flags.push_back(flags);
+    };
+    for (int i = 0; i < above; ++i) push(0.1, tile::kEndsHere);
+    for (int i = 0; i < below; ++i) push(-0.02, tile::kEndsHere);
+    for (int i = 0; i < steep; ++i) push(-0.5, tile::kEndsHere);
+    push(-0.02, tile::kEndsHere | tile::kHit), push(-0.02, 0);  // a hit; one that ends in another tile
+    SurveyAccumulator sum({20000, 244000}, kTile, {});
+    sum.add(batch);
+    return sum.finish();
+  };
+  EXPECT_EQ(survey(3, 2, 1).misses_above, 3);
+  EXPECT_EQ(survey(3, 2, 1).misses_below, 2);
+  EXPECT_FALSE(holds_downward_misses({}));
+  EXPECT_FALSE(holds_downward_misses(std::vector{survey(600, 0, 50), survey(400, 19, 0)}));
+  EXPECT_TRUE(holds_downward_misses(std::vector{survey(600, 0, 0), survey(400, 21, 0)}));
+}
+
 TEST(Survey, SurvivesStorage) {
   const auto tiles = busy_scene().tiles();
   const TileSurvey survey = testing::survey_all(tiles).front();

@@ -25,6 +25,17 @@ TEST(Wood, ARayThroughTheAxisIsInsideForTheDiameterOfTheShell) {
   EXPECT_NEAR(out, 2.07, 1e-12);
 }
 
+TEST(Wood, ABentTrunkIsMaskedWiderButHasNoMoreSurface) {
+  WoodCylinder trunk = kPost;
+  trunk.bend_m = 0.03;
+  double in, out;
+  ASSERT_TRUE(shell_interval(trunk, 0.02, {0, 3, 11}, {1, 0, 0}, in, out));
+  EXPECT_NEAR(in, 1.90, 1e-12);
+  EXPECT_NEAR(out, 2.10, 1e-12);
+  EXPECT_FALSE(shell_interval(trunk, 0.02, {0, 3, 11.83}, {1, 0, 0}, in, out));
+  EXPECT_EQ(half_surface_m2(trunk, 0, 9), half_surface_m2(kPost, 0, 9));
+}
+
 TEST(Wood, RaysBesideOrAboveThePostMissIt) {
   double in, out;
   EXPECT_FALSE(shell_interval(kPost, 0.02, {0, 3.071, 11}, {1, 0, 0}, in, out));
@@ -79,6 +90,8 @@ TEST(Wood, APostLeansAndATrunkStandsUpright) {
   EXPECT_EQ(wood[1].axis, Vector3d::UnitZ());
   EXPECT_EQ(wood[1].length_m, 0.9);
   EXPECT_EQ(wood[1].radius_m, 0.03);
+  EXPECT_EQ(wood[0].bend_m, 0);
+  EXPECT_GT(wood[1].bend_m, 0);  // posts are straight, vines are not
 }
 
 }  // namespace

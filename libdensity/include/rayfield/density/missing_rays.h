@@ -11,9 +11,10 @@
 namespace rayfield::density {
 
 struct MissingRayOptions {
-  double lowest_elevation_rad = -0.26;  ///< rays further below the horizon (−15°) are not restored: they meet ground or
-                                        ///< vehicle. Valid: −1.5…0
-  int longest_gap = 64;  ///< beams in a row that may be missing, 1…1000
+  double lowest_elevation_rad = -0.26;  ///< gaps that reach further below the horizon (−15°) stay open: there the
+                                        ///< ground sends rays back, and the vehicle stopped them. Valid: −1.5…0
+  int longest_gap = 64;                 ///< beams in a row that may be missing, 1…1000
+  int most_above = 2;  ///< beams above the horizon in a gap; with more, it is not for want of a return. Valid: 0…1000
   Result<void> validate() const;
 };
 
@@ -24,7 +25,8 @@ struct MissingRayOptions {
 /// it and looks denser than it is (6 % on an 8 % slope; docs/density.md). A lidar sends its beams at a steady rate in
 /// steady steps of angle, so the gaps show: where the times of two successive rays are k beam periods apart and their
 /// directions k steps, the k − 1 rays between them are interpolated. Those that point down, but not steeply, become
-/// rays without a hit, as long as the longest other ray without one.
+/// rays without a hit, as long as the longest other ray without one. Gaps that go on above the horizon or steeply
+/// down are something else (a part of the vehicle) and stay open.
 ///
 /// The beam period is the median step of time over the first rays. A stream whose times do not tell beams apart
 /// (equal stamps, shuffled rays, merged clouds) is passed on as it is, with a warning.
@@ -45,6 +47,13 @@ class MissingRaySource : public RaySource {
   Result<void> refill();
   void study_times();
   void process(std::size_t i);
+  struct Last {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(), direction = Eigen::Vector3d::Zero();
+    double time_s = 0, step_rad = 0;  ///< step: angle to its own predecessor, one period before; 0 = unknown
+    bool valid = false;
+  };
+  /// The rays in the gap of `periods` beam periods and `angle` radians between the last ray and this one.
+  void restore(const Last& now, double angle, int periods);
 
   RaySource& source_;
   MissingRayOptions options_;
@@ -53,11 +62,7 @@ class MissingRaySource : public RaySource {
   bool studied_ = false, usable_ = false, ended_ = false;
   double period_s_ = 0, longest_m_ = 0;
   std::uint64_t restored_ = 0;
-  struct Last {
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(), direction = Eigen::Vector3d::Zero();
-    double time_s = 0, step_rad = 0;  ///< step: angle to its own predecessor, one period before; 0 = unknown
-    bool valid = false;
-  } last_;
+  Last last_;
 };
 
 }  // namespace rayfield::density

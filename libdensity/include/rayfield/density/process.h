@@ -26,7 +26,7 @@ namespace rayfield::density {
 /// large as the leaves that a sample of the scan shows, in steps of 1 cm.
 struct VoxelFitOptions {
   bool enabled = true;      ///< false: StretchOptions::voxel_m rules
-  double leaf_sides = 1.2;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
+  double leaf_sides = 1.1;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
   double min_m = 0.08;      ///< 0.03…0.3; also the voxel size of the sample
   double max_m = 0.12;      ///< min_m…0.3; the paper's size
   int every_chunk = 8;      ///< of a tile's chunks of rays, one in so many is sampled, 1…1000

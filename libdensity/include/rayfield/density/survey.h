@@ -58,7 +58,9 @@ struct TileSurvey {
   Grid2<std::uint8_t> coverage;          ///< CoverageFlag bits
   std::int64_t segments = 0, starts = 0, ends = 0, hits = 0;  ///< hits: in the tile proper
   double first_time_s = 0, last_time_s = 0;                   ///< of the segments; 0 without any
-  double lowest_hit_m = 0, highest_hit_m = 0;                 ///< NaN without hits
+  std::int64_t misses_above = 0, misses_below = 0;  ///< rays that end in the tile proper without a hit, up to 15° above
+                                                    ///< and below the horizon
+  double lowest_hit_m = 0, highest_hit_m = 0;  ///< NaN without hits
 
   double cell_m() const { return tile_size_m / cells; }
   /// The bins of one cell.
@@ -75,6 +77,7 @@ class SurveyAccumulator {
 
  private:
   void add_hit(const Eigen::Vector3d& end);
+  void add_miss(const Eigen::Vector3d& way);
   void add_start(const Eigen::Vector3d& origin, double time_s);
   void add_passage(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
   void add_bin(std::size_t cell, const LowBin& bin);
@@ -89,7 +92,7 @@ class SurveyAccumulator {
   std::vector<std::uint16_t> used_;
   std::vector<PathSum> path_;  // ascending
   Grid2<std::uint8_t> coverage_;
-  std::int64_t segments_ = 0, starts_ = 0, ends_ = 0, hits_ = 0;
+  std::int64_t segments_ = 0, starts_ = 0, ends_ = 0, hits_ = 0, misses_above_ = 0, misses_below_ = 0;
   double first_time_s_, last_time_s_, lowest_, highest_;
 };
 
@@ -97,7 +100,12 @@ class SurveyAccumulator {
 Result<TileSurvey> survey_tile(const tile::Store::TileReader& reader, tile::TileIndex index, double tile_size_m,
                                const SurveyOptions& options, int threads);
 
-/// Stored form, kind "survey" version 1.
+/// Whether a scan kept its downward rays without a return, or had them restored (MissingRaySource): most clouds leave
+/// them out. `surveys`: of all its tiles. A fiftieth of the upward ones is more than a cloud that dropped them can have
+/// by a tilt of its frame, and less than any lidar of 100 m range or less on level ground keeps.
+bool holds_downward_misses(std::span<const TileSurvey> surveys);
+
+/// Stored form, kind "survey" version 2 (version 1 did not count misses, and is made anew).
 tile::ArraySet survey_to_arrays(const TileSurvey& survey);
 /// Errors: damaged, when columns are missing or do not fit together.
 Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays);

@@ -21,11 +21,12 @@ struct VoxelOptions {
   /// the range noise lose 0.1 % of them; what is masked in vain only lowers the ray count. Valid: 0…0.2.
   double wood_shell_m = 0.045;
   /// Ray clouds hold no downward rays that came back from nowhere (their length is unknown), so a ray that runs down at
-  /// a small angle is in the cloud if a leaf stopped it and missing if not, and the canopy looks too dense. The cure is
-  /// to restore them (MissingRaySource). Where times do not allow that, this leaves out, whatever they met, rays that
-  /// go down and would not reach the tile's ground, taken as a plane, within this distance; it costs the view of the
-  /// canopy at the sensor's height. 0 = count all. Valid: 0…200 m; about half the lidar's range.
-  double sure_return_m = 0;
+  /// a small angle is in the cloud if a leaf stopped it and missing if not, and the canopy looks too dense, thin ones
+  /// most. So rays that go down and would not reach the tile's ground, taken as a plane, within this distance are left
+  /// out, whatever they met. Shorter costs the view of the canopy at the sensor's height; longer than the range from
+  /// which bare ground returns is in vain. 0 = count all: right where the scan holds such rays (process() sees that by
+  /// itself: holds_downward_misses()). Valid: 0…200 m; about three quarters of the lidar's range.
+  double sure_return_m = 30;
   double slope_margin = 0.02;  ///< how much more than the plane the ground may fall away. Valid: 0…0.5
   Result<void> validate() const;
 };
