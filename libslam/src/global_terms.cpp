@@ -207,8 +207,7 @@ void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const
   });
 }
 
-// Both horizontal directions of a pair together: |e|² is the same however the map is turned. Eliminating the place of a
-// slice of N visits with the variance σ² each leaves Σ_{i<j} |q_i − q_j|²/(N·σ²).
+// Eliminating the place of a slice of N visits with the variance σ² each leaves Σ_{i<j} |q_i − q_j|²/(N·σ²).
 void GlobalProblem::add_poles(const PoleQuery& query) {
   const PoleOptions& options = options_.poles;
   const PoseTrack& track = odometry_.track;
@@ -223,19 +222,22 @@ void GlobalProblem::add_poles(const PoleQuery& query) {
   const double share = weights_.cautious ? kIndependentShare : options.weight;
   Sums& sums = parts_[0];
   for (const PolePair& pair : pair_visits(visits, track, depth, query, options)) {
-    const auto along = [&](int axis) {
-      return pole_residual(frame, visits[pair.first], visits[pair.second], pair.depth_m, Eigen::Vector3d::Unit(axis));
-    };
-    const PairResidual axes[2] = {along(0), along(1)};
-    const double square = axes[0].error() * axes[0].error() + axes[1].error() * axes[1].error();
-    const double robust = 1 / (1 + square / (cauchy2 * pair.variance_m2 + slack2));
-    const double weight = share * robust / (0.5 * pair.visits * pair.variance_m2 + slack2);
-    for (const PairResidual& r : axes) {
-      sums.chain.add(r.first, weight);
-      sums.chain.add(r.second, weight);
-      sums.coupling.add_coupling(r.first, r.second, weight);
+    const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(pair.sides);
+    const double variance[2] = {pair.variance_m2 + pair.thickness_variance_m2, pair.variance_m2};
+    PairResidual axes[2];
+    double distance2 = 0;  // in standard deviations
+    for (int k = 0; k < 2; ++k) {
+      axes[k] = pole_residual(frame, visits[pair.first], visits[pair.second], depth, k == 0 ? pair.sides : across);
+      distance2 += axes[k].error() * axes[k].error() / (cauchy2 * variance[k] + slack2);
     }
-    ++sums.poles.matches, sums.poles.weights += weight, sums.poles.squares += weight * square;
+    for (int k = 0; k < 2; ++k) {
+      const double weight = share / ((0.5 * pair.visits * variance[k] + slack2) * (1 + distance2));
+      sums.chain.add(axes[k].first, weight);
+      sums.chain.add(axes[k].second, weight);
+      sums.coupling.add_coupling(axes[k].first, axes[k].second, weight);
+      sums.poles.weights += 0.5 * weight, sums.poles.squares += weight * axes[k].error() * axes[k].error();
+    }
+    ++sums.poles.matches;
   }
 }
 

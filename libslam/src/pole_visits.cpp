@@ -105,10 +105,12 @@ PairOffset offset_of(const PoleVisit& a, const PoleVisit& b, const PoseTrack& tr
           (pose_b.rotation * b.view - pose_a.rotation * a.view).head<2>()};
 }
 
-// Gives every pair the depth k of its pole, which minimises, with the offsets d of surfaces and v of views of its
-// pairs,
+// Gives every pair the depth k of its pole and what follows from it. The depth minimises, with the offsets d of
+// surfaces and v of views of its pairs,
 //   Σ 2/N·ρ₁(|d + k·v|/s) + ρ₂((k − depth)/thickness_sigma),   ρ₁ = ½·ln(1 + x²), ρ₂ = ½·x²/(1 + x²/4):
-// most poles are alike, a few, as at the ends of rows, much thicker, and what those are does not move the others.
+// most poles are alike, a few, as at the ends of rows, much thicker, and what those are does not move the others. ρ₂ is
+// a parabola of the variance (thickness_sigma·(1 + x²/4))² there. The depth eliminated, the pairs of a pole say less
+// along v; all n of them have its error in common, so that each counts it n times.
 void find_depths(std::span<const PoleVisit> visits, std::span<const std::size_t> pole, const PoseTrack& track,
                  double depth_m, const PoleOptions& options, std::span<PolePair> pairs) {
   constexpr int kIterations = 15, kShrinking = 5;
@@ -142,9 +144,17 @@ void find_depths(std::span<const PoleVisit> visits, std::span<const std::size_t>
       more[n] = sums[n].pull / (sums[n].information + prior);
     }
   }
-  for (PolePair& p : pairs) {
-    p.depth_m = depth_m + more[pole[p.first]];
+  std::vector<int> count(poles, 0);
+  for (const PolePair& p : pairs) ++count[pole[p.first]];
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    PolePair& p = pairs[k];
+    const std::size_t n = pole[p.first];
+    p.depth_m = depth_m + more[n];
     p.variance_m2 = offset_variance(visits[p.first], visits[p.second], p.depth_m, options);
+    const double length = offsets[k].view.norm(), x = more[n] / options.thickness_sigma_m;
+    if (length > 1e-3) p.sides << offsets[k].view / length, 0;
+    const double sigma = options.thickness_sigma_m * (1 + 0.25 * x * x) * length;
+    p.thickness_variance_m2 = count[n] * sigma * sigma;
   }
 }
 

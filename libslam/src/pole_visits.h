@@ -10,9 +10,9 @@
 #include "surfel.h"
 
 /// Posts and trunks as landmarks. A lane sees one side of them only, so what lanes share is not a surface but an axis:
-/// it lies behind the visible surface by a depth that is about the same for the poles of a site. That common depth is
-/// estimated with the trajectory, each pole's own one from its pairs. Ground holds lanes across the rows only as far as
-/// it is uneven; poles hold them everywhere.
+/// it lies behind the visible surface by a depth that is about the same for the poles of a site and is estimated with
+/// the trajectory; how much it differs from pole to pole counts as an error of what two sides say of the distance
+/// between them. Ground holds lanes across the rows only as far as it is uneven; poles hold them everywhere.
 namespace rayfield::slam {
 
 /// A slice of a pole as seen in one pass. Position and view are held in the IMU frame at `time_s`.
@@ -36,8 +36,11 @@ std::vector<PoleVisit> gather_visits(std::span<const Surfel> sightings, const Po
 struct PolePair {
   std::uint32_t first = 0, second = 0;
   double visits = 2;       ///< how many visits the slice has
-  double depth_m = 0;      ///< from the visible surface to the axis of this pole
+  double depth_m = 0;      ///< from the visible surface to the axis of this pole, by itself
   double variance_m2 = 0;  ///< of the offset between the two axes, in either direction
+  /// Unit, horizontal in the world: along it the two visits look from different sides.
+  Eigen::Vector3d sides = Eigen::Vector3d::UnitX();
+  double thickness_variance_m2 = 0;  ///< of the offset along `sides`, besides, if the common depth is used
 };
 
 /// Which visits are paired.

@@ -5,12 +5,12 @@
 namespace rayfield::slam {
 namespace {
 
-struct SurfelPair {
+struct PairGeometry {
   Eigen::Vector3d between, normal;  // s_b − s_a and n
   double normals_length;            // |n_a + n_b|
 };
 
-SurfelPair pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b, const Surfel& b) {
+PairGeometry pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b, const Surfel& b) {
   const Eigen::Vector3d sum = pose_a.rotation * a.normal.cast<double>() + pose_b.rotation * b.normal.cast<double>();
   const double length = sum.norm();
   return {pose_b * b.center.cast<double>() - pose_a * a.center.cast<double>(), sum / length, length};
@@ -48,7 +48,7 @@ void add_side(const ResidualFrame& frame, const Sighted& s, const Rigid3& pose, 
 
 // The normal n_s of a surfel turns by δr, which turns n and so e by δr·(n_s × p)/|n_a + n_b| with p the part of
 // s_b − s_a across n.
-void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const SurfelPair& pair,
+void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& pose, const PairGeometry& pair,
                      double sign, SplineResidual& out) {
   const Eigen::Vector3d& n = pair.normal;
   const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
@@ -58,9 +58,10 @@ void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& 
 }
 
 void add_pole_side(const ResidualFrame& frame, const PoleVisit& v, const Rigid3& pose, double depth_m,
-                   const Eigen::Vector3d& n, double sign, SplineResidual& out) {
+                   const PairGeometry& pair, double sign, SplineResidual& out) {
+  const Eigen::Vector3d& n = pair.normal;
   const Sighted axis{v.time_s, v.center + depth_m * v.view, static_cast<double>(v.spin_rate_rad_s)};
-  add_side(frame, axis, pose, n, sign, Eigen::Vector3d::Zero(), out);
+  add_side(frame, axis, pose, n, sign, n.cross(pair.between) / pair.normals_length, out);
   if (frame.extra_block >= 0) out.extra_row[kPoleDepth] += sign * n.dot(pose.rotation * v.view);
 }
 
@@ -85,13 +86,13 @@ std::vector<Eigen::Vector3d> anchors_of(const CorrectionSpline& spline, const Po
 }
 
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b) {
-  const SurfelPair pair = pair_of(track.pose(a.time_s), a, track.pose(b.time_s), b);
+  const PairGeometry pair = pair_of(track.pose(a.time_s), a, track.pose(b.time_s), b);
   return pair.between.dot(pair.normal);
 }
 
 PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b) {
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
-  const SurfelPair pair = pair_of(pose_a, a, pose_b, b);
+  const PairGeometry pair = pair_of(pose_a, a, pose_b, b);
   PairResidual out;
   out.first.error = out.second.error = pair.between.dot(pair.normal);
   out.normal = pair.normal;
@@ -103,12 +104,13 @@ PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const 
 PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
                            const Eigen::Vector3d& n) {
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
+  const auto axis = [&](const PoleVisit& v) { return Eigen::Vector3d(v.center + depth_m * v.view); };
+  const PairGeometry pair{pose_b * axis(b) - pose_a * axis(a), n, 2};  // n = (n + n)/2, each held by its pose
   PairResidual out;
-  out.first.error = out.second.error = n.dot(pose_b * Eigen::Vector3d(b.center + depth_m * b.view) -
-                                             pose_a * Eigen::Vector3d(a.center + depth_m * a.view));
+  out.first.error = out.second.error = n.dot(pair.between);
   out.normal = n;
-  add_pole_side(frame, a, pose_a, depth_m, n, -1, out.first);
-  add_pole_side(frame, b, pose_b, depth_m, n, 1, out.second);
+  add_pole_side(frame, a, pose_a, depth_m, pair, -1, out.first);
+  add_pole_side(frame, b, pose_b, depth_m, pair, 1, out.second);
   return out;
 }
 

@@ -62,8 +62,8 @@ struct PairResidual {
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b);
 PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
 
-/// e = (q_b − q_a)·n with the axes q = t(τ) + r(τ)·(c + depth·v) of two visits to a pole, n a fixed direction, m.
-/// Both directions across the poles together, with one weight, turn nothing either.
+/// e = (q_b − q_a)·n with the axes q = t(τ) + r(τ)·(c + depth·v) of two visits to a pole, m. n turns with the
+/// correction, as that of surfels.
 PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
                            const Eigen::Vector3d& n);
 

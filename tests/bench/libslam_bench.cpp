@@ -93,7 +93,7 @@ struct Window {
   std::vector<Surfel> surfels;
   std::vector<Eigen::Vector3d> gyro, accel;
   InertialState state;
-  std::vector<SurfelResidual> sides;
+  std::vector<PairResidual> sides;
   std::vector<LinearResidual<3>> inertial;
 
   Window() {
@@ -121,7 +121,7 @@ struct Window {
   void linearise() {
     sides.clear(), inertial.clear();
     for (std::size_t k = 0; k < 2000; ++k) {
-      const SurfelResidual r = surfel_residual(frame, surfels[k], surfels[k + 2000]);
+      const PairResidual r = surfel_residual(frame, surfels[k], surfels[k + 2000]);
       sides.push_back(r);
     }
     const BiasWeights bias{{frame.spline.knots(), frame.spline.knots()}, {1, 0}};
@@ -137,7 +137,7 @@ void one_step_dense(benchmark::State& state) {
   for (auto _ : state) {
     w.linearise();
     BlockSystem system(w.frame.extra_block + 1, BlockSystem::Storage::dense);
-    for (const SurfelResidual& r : w.sides)
+    for (const PairResidual& r : w.sides)
       system.add(r.first, 1e3), system.add(r.second, 1e3), system.add_coupling(r.first, r.second, 1e3);
     for (const auto& r : w.inertial) system.add(r, 1e3);
     for (int b = 0; b <= w.frame.extra_block; ++b) system.add_prior(b, Vector6d::Zero(), Vector6d::Constant(1));
@@ -184,7 +184,7 @@ void one_step_ceres(benchmark::State& state) {
       problem.AddResidualBlock(new Linear<rows>(r, std::sqrt(1e3)), nullptr, blocks);
     };
     std::vector<LinearResidual<1>> matches;  // as Ceres wants them: both sides in one
-    for (const SurfelResidual& s : w.sides) {
+    for (const PairResidual& s : w.sides) {
       matches.push_back(s.first.linear());
       const LinearResidual<1> second = s.second.linear();
       for (int k = 0; k < second.blocks; ++k) matches.back().at(second.block[k]) += second.jacobian[k];

@@ -121,8 +121,8 @@ struct StraightDrive {
                       Eigen::Vector3d(0, 0, 9.80665) + white(odometry.noise.accel_density)});
   }
   GlobalStats misfit() {
-    Eigen::Vector2d offsets(0, 0);
-    GlobalProblem problem(drive.odometry, *drive.imu, {}, rig, options, 1.0, offsets);
+    const GlobalUnknowns unknowns;
+    GlobalProblem problem(drive.odometry, *drive.imu, {}, rig, options, 1.0, unknowns);
     GlobalStats stats;
     problem.begin({}), problem.end(stats);
     problem.measure_imu_misfit(stats);

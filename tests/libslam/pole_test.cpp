@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "global_terms.h"
 #include "pole_visits.h"
 #include "surfel.h"
 
@@ -52,8 +53,8 @@ TEST(FindPoles, SeesATrunkInAScanLineButNoWallGroundOrFoliage) {
   }
 }
 
-// Two lanes on either side of a row of trunks, driven in opposite directions; every fifth of a second each trunk nearer than
-// three metres shows one scan line, anywhere on it.
+// Two lanes on either side of a row of trunks, driven in opposite directions; every fifth of a second each trunk nearer
+// than three metres shows one scan line, anywhere on it.
 struct Row {
   std::vector<double> radius_m;  // a trunk every 1.5 m, from x = 3 on
   PoseTrack track;
@@ -64,16 +65,14 @@ struct Row {
 Row drive_along(const std::vector<double>& radius_m, double across_error_m) {
   Row row;
   row.radius_m = radius_m;
-  const double length = 6 + 1.5 * static_cast<double>(radius_m.size()), turn_s = 15;
-  const int steps = static_cast<int>(100 * length);
+  const double length = 6 + 1.5 * static_cast<double>(radius_m.size()), turn_s = 15;  // at 1 m/s
   PoseTrack truth;
-  for (int k = 0; k <= 2 * steps + static_cast<int>(100 * turn_s); ++k) {
-    const bool back = k > steps + static_cast<int>(50 * turn_s);
-    const double t = back ? 0.01 * (k - steps) - turn_s : 0.01 * k;  // metres, at 1 m/s
-    const double x = back ? length - std::max(0.0, t) : std::min(length, t);
-    truth.position.emplace_back(x, back ? 1.4 : -1.4, 1.6);
-    truth.rotation.emplace_back(Eigen::AngleAxisd(back ? std::numbers::pi : 0, Eigen::Vector3d::UnitZ()));
-    row.track.position.push_back(truth.position.back() + Eigen::Vector3d(0, back ? across_error_m : 0, 0));
+  for (int k = 0; 0.01 * k <= 2 * length + turn_s; ++k) {
+    const double t = 0.01 * k, f = std::clamp((t - length) / turn_s, 0.0, 1.0), turned = f * f * (3 - 2 * f);
+    const double x = std::min(t, length) - std::max(0.0, t - length - turn_s);
+    truth.position.emplace_back(x, 1.4 * (2 * turned - 1), 1.6);
+    truth.rotation.emplace_back(Eigen::AngleAxisd(std::numbers::pi * turned, Eigen::Vector3d::UnitZ()));
+    row.track.position.push_back(truth.position.back() + Eigen::Vector3d(0, turned * across_error_m, 0));
   }
   row.track.rotation = truth.rotation;
   std::mt19937 generator(11);
@@ -143,6 +142,40 @@ TEST(PoleVisits, ShowThatALaneIsOff) {
     mean += (axis_of(visits[p.second], row.track, p.depth_m) - axis_of(visits[p.first], row.track, p.depth_m)).y() / 24;
   EXPECT_GT(mean, 0.1 * kOff);
   EXPECT_LT(mean, kOff);
+}
+
+// A fair IMU and no surfels; one step.
+TEST(PoleVisits, BringALaneHome) {
+  constexpr double kOff = 0.03;
+  const Row row = drive_along(std::vector<double>(24, 0.0275), kOff);
+  const Row right = drive_along(std::vector<double>(24, 0.0275), 0);
+  OdometryResult odometry;
+  odometry.track = row.track, odometry.poles = row.sightings;
+  odometry.inertial.push_back({10, {}});
+  odometry.noise = {3e-4, 0.01, 1, 1};
+  ImuGrid imu(0, odometry.track.step_s);
+  const double dt = odometry.track.step_s;
+  for (int k = 0; k < right.track.size(); ++k) {
+    const int n = std::clamp(k, 1, right.track.size() - 2);
+    const auto& p = right.track.position;
+    const Eigen::Quaterniond &r0 = right.track.rotation[n - 1], &r1 = right.track.rotation[n + 1];
+    const Eigen::Vector3d force = (p[n + 1] - 2 * p[n] + p[n - 1]) / (dt * dt) + Eigen::Vector3d(0, 0, 9.80665);
+    imu.add({k * dt, log_so3(r0.conjugate() * r1) / (2 * dt), right.track.rotation[n].conjugate() * force});
+  }
+  const Rig rig;
+  const SlamOptions options;
+  GlobalProblem problem(odometry, imu, {}, rig, options, 1.0, {.pole_depth_m = options.poles.depth_m});
+  GlobalStats stats;
+  problem.begin({});
+  problem.add_poles({.reach_m = 0.15});
+  problem.end(stats);
+  EXPECT_EQ(stats.poles.count, 24u);
+  ASSERT_TRUE(problem.solve_and_apply());
+  const auto across = [&](double time_s) { return odometry.track.pose(time_s).translation.y(); };
+  const double apart = across(odometry.track.end_s() - 20) - across(20);
+  // What is left and the depth go together: lanes and trunks alone do not tell a thicker trunk from a wider alley.
+  const double deeper = problem.unknowns().pole_depth_m - std::numbers::pi / 4 * 0.0275;
+  EXPECT_NEAR(apart, 2.8 + 2 * 0.85 * deeper, 0.006);
 }
 
 TEST(PoleVisits, OfOtherTimesAndPlacesAreNotPaired) {

@@ -227,13 +227,15 @@ TEST(PoleResidual, HasTheDerivativeThatDifferencesGive) {
   constexpr double kDepth = 0.03;
   const Eigen::Vector3d n = Eigen::Vector3d::UnitY();
   const auto r = pole_residual(s.frame, a, b, kDepth, n);
-  const auto axis = [&](const PoleVisit& v, const Eigen::VectorXd& x) -> Eigen::Vector3d {
+  // The axis, and n as the visit's pose holds it.
+  const auto axis = [&](const PoleVisit& v, const Eigen::VectorXd& x) {
     const double depth = kDepth + x[6 * s.frame.extra_block + kPoleDepth];
-    const Placed body{v.center + depth * v.view, Eigen::Vector3d::UnitX()};
-    return place(s, v.time_s, body, static_cast<double>(v.spin_rate_rad_s), x).center;
+    const Placed body{v.center + depth * v.view, s.track.pose(v.time_s).rotation.conjugate() * n};
+    return place(s, v.time_s, body, static_cast<double>(v.spin_rate_rad_s), x);
   };
   const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-    return Eigen::Matrix<double, 1, 1>(n.dot(axis(b, x) - axis(a, x)));
+    const Placed pa = axis(a, x), pb = axis(b, x);
+    return Eigen::Matrix<double, 1, 1>((pb.center - pa.center).dot((pa.normal + pb.normal).normalized()));
   };
   const Eigen::MatrixXd both = dense(r.first.linear(), s.blocks) + dense(r.second.linear(), s.blocks);
   EXPECT_NEAR(r.error(), f(Eigen::VectorXd::Zero(6 * s.blocks))[0], 1e-9);

@@ -99,6 +99,9 @@ TEST(SimulatedDrive, MeetsTheGoalsAndKnowsHowWell) {
   // Neither twice too sure (4) nor ten times too modest (0.01).
   EXPECT_LT(normalised_error(*o.result, o.truth), 4);
   EXPECT_GT(normalised_error(*o.result, o.truth), 0.01);
+  // π/4 of the mean radius: trunks of 5.5 cm, a post of 7 cm for every four of them.
+  EXPECT_GT(o.result->report.poles_m.count, 100u);
+  EXPECT_NEAR(o.result->report.pole_depth_m, 0.0225, 0.004);
 }
 
 TEST(SimulatedDrive, MeetsTheGoalsWithoutSensorErrorsToACentimetre) {
