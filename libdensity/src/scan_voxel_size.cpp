@@ -69,7 +69,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const StretchList stretches,
-                    make_stretches(layout, ground, profile, with_voxel_size(work.options.stretches, fit.min_m)));
+                    make_stretches(layout, ground, profile, with_voxel_size(work.options.stretches, fit.sample_m)));
     RAYFIELD_ASSIGN(const ElementPairs pairs, sample_scan(work, stretches, wood));
     tile::ArraySet arrays{.kind = "voxelsize", .attributes = "{}"};
     arrays.columns["voxel_m"] = std::vector<double>{fitted_size(estimate_element_size(pairs).area_m2, fit)};

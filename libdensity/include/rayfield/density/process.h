@@ -27,8 +27,9 @@ namespace rayfield::density {
 struct VoxelFitOptions {
   bool enabled = true;      ///< false: StretchOptions::voxel_m rules
   double leaf_sides = 1.1;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
-  double min_m = 0.08;      ///< 0.03…0.3; also the voxel size of the sample
+  double min_m = 0.07;      ///< 0.03…0.3
   double max_m = 0.12;      ///< min_m…0.3; the paper's size
+  double sample_m = 0.08;   ///< side of the voxels in which the sample is counted, 0.03…0.3
   int every_chunk = 8;      ///< of a tile's chunks of rays, one in so many is sampled, 1…1000
   Result<void> validate() const;
 };
