@@ -40,7 +40,6 @@ std::vector<Surfel> find_poles(const CellMap& map, double voxel_size_m, const Ei
     const Eigen::Quaterniond inverse = pose.rotation.conjugate();
     s.center = (inverse * (center - pose.translation)).cast<float>();
     s.normal = (inverse * back.normalized()).cast<float>();
-    s.variance_m2 = static_cast<float>(cell.covariance().topLeftCorner<2, 2>().trace());
     s.spin_rate_rad_s = static_cast<float>(cell.spin_sum / cell.count);
     out.push_back(s);
   }
