@@ -125,11 +125,12 @@ def against_truth(out, scan_id, truth, crs):
     centres = {uid: np.array(p["geometry"].Centroid().GetPoint_2D()) for uid, p in panels.items()}
     for t in true_panels:
         centre = frame.map((t["e0"] + t["e1"]) / 2, (t["n0"] + t["n1"]) / 2)
-        near = [v for v in values if np.linalg.norm(centres[v["panel_uid"]] - centre) < 0.35 * t["length_m"]]
-        if len(near) != 1 or near[0]["plant_area_m2"] is None:
+        near = min(values, key=lambda v: np.linalg.norm(centres[v["panel_uid"]] - centre), default=None)
+        if near is None or near["plant_area_m2"] is None or \
+                np.linalg.norm(centres[near["panel_uid"]] - centre) > 0.35 * t["length_m"]:
             unmatched += 1
             continue
-        measured.append(near[0]["plant_area_m2"])
+        measured.append(near["plant_area_m2"])
         true.append(t["leaf_area_m2"] + t["wood_area_m2"])
     measured, true = np.array(measured), np.array(true)
     total = sum(v["plant_area_m2"] or 0 for v in values)
