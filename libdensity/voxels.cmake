@@ -8,6 +8,7 @@ list(APPEND DENSITY_VOXEL_SOURCES
   src/plan_raster.cpp
   src/row_density.cpp
   src/row_fill.cpp
+  src/slab_density.cpp
   src/tile_ground.cpp
   src/voxel_arrays.cpp
   src/voxel_grid.cpp

@@ -164,28 +164,30 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
   return out;
 }
 
-double effective_element_area(double area_m2, double voxel_m) {
+double front_shadow(double area_m2, double voxel_m) {
   if (!(area_m2 > 0) || !(voxel_m > 0)) return 0;
   const double side = std::sqrt(area_m2), dt = voxel_m / 24;
   Uniform uniform(20181212);
-  const auto overlap = [voxel_m](const Eigen::Vector3d& shift) {
+  // Share of places of a point in the voxel for which it is there with these two shifts of itself.
+  const auto overlap = [voxel_m](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     double p = 1;
-    for (int k = 0; k < 3; ++k) p *= std::max(0.0, 1 - std::abs(shift[k]) / voxel_m);
+    for (int k = 0; k < 3; ++k)
+      p *= std::max(0.0, 1 - (std::max({0.0, a[k], b[k]}) - std::min({0.0, a[k], b[k]})) / voxel_m);
     return p;
   };
-  double shadow = 0, behind = 0;
+  double behind = 0;  // length of the shadow inside the voxel
   for (int i = 0; i < kSamples; ++i) {
     const Eigen::Vector3d normal = uniform.direction(), ray = uniform.direction();
     const Eigen::Vector3d axis_u = normal.unitOrthogonal(), axis_v = normal.cross(axis_u);
-    // From a random point of the element inside the voxel to another random point of the element.
+    // From the hit, inside the voxel, to another random point of the element, outside.
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
     const double cosine = std::abs(normal.dot(ray));
     for (double t = dt / 2; t < 1.75 * voxel_m + 2 * side; t += dt) {
-      shadow += dt * cosine * overlap(offset + t * ray);
-      behind += dt * 0.5 * overlap(t * ray);
+      const Eigen::Vector3d at = offset + t * ray;
+      behind += dt * cosine * (overlap(at, at) - overlap(offset, at));
     }
   }
-  return area_m2 * shadow / behind;
+  return area_m2 * behind / (kSamples * voxel_m * voxel_m * voxel_m);
 }
 
 }  // namespace rayfield::density

@@ -25,49 +25,18 @@ Result<void> EstimatorOptions::validate() const {
   return {};
 }
 
-LeafCorrection LeafCorrection::of(double leaf_area_m2, double voxel_m) {
-  if (!(leaf_area_m2 > 0)) return {};
-  return {leaf_area_m2, effective_element_area(leaf_area_m2, voxel_m)};
+double unbiased_rate(double hits, double path, double hit_path) {
+  return path > 0 ? std::max(0.0, hits / path - hit_path / (path * path)) : 0;
 }
 
-VoxelEstimate estimate_voxel(const VoxelCounters& c, double voxel_m, const LeafCorrection& leaf) {
-  VoxelEstimate out;
-  out.observed = c.rays >= 2 && c.path > 0;
-  if (!out.observed || c.hits == 0) return out;
-  constexpr double unit = VoxelCounters::kUnit;
-  // Everything in units of the voxel's side; λ₁ then is ½·area/side².
-  const double l1 = 0.5 * leaf.effective_area_m2 / (voxel_m * voxel_m);
-  const auto effective = [l1](std::int64_t u1, std::int64_t u2, std::int64_t u3) {
-    return unit * (static_cast<double>(u1) + l1 / 2 * static_cast<double>(u2) + l1 * l1 / 3 * static_cast<double>(u3));
-  };
-  const double s = effective(c.path, c.path2, c.path3), h = effective(c.hit_path, c.hit_path2, c.hit_path3);
-  const double rate = std::max(0.0, c.hits / s - h / (s * s));
-  out.density = 2 * rate / voxel_m;
-  const double rate_variance = c.hits / (s * s) + rate * 0.5 * leaf.area_m2 / (voxel_m * voxel_m);
-  out.variance = 4 * rate_variance / (voxel_m * voxel_m);
-  return out;
-}
-
-VoxelEstimate estimate_paper(std::uint64_t rays, std::uint64_t hits, double path_m) {
-  VoxelEstimate out;
+PaperEstimate estimate_paper(std::uint64_t rays, std::uint64_t hits, double path_m) {
+  PaperEstimate out;
   out.observed = rays >= 1 && path_m > 0;
   if (!out.observed) return out;
   const auto n = static_cast<double>(rays), m = static_cast<double>(hits);
   out.density = 2 * (n - 1) / n * m / path_m;
   out.variance = 4 * m / (path_m * path_m);
   return out;
-}
-
-double estimate_weighted(const WeightedRay* rays, std::size_t count) {
-  double s = 0, hits = 0, h = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const WeightedRay& r = rays[i];
-    s += r.weight * r.projection * r.path_m;
-    if (!r.hit) continue;
-    hits += r.weight;
-    h += r.weight * r.weight * r.projection * r.path_m;
-  }
-  return s > 0 ? hits / s - h / (s * s) : 0;
 }
 
 double gamma_p(double a, double x) {

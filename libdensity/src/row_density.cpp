@@ -6,6 +6,7 @@
 #include <string>
 
 #include "row_fill.h"
+#include "slab_density.h"
 #include "voxel_index.h"
 
 namespace rayfield::density {
@@ -198,14 +199,7 @@ RowDensity RowDensityBuilder::finish() && {
   if (options_.estimator == Estimator::paper) {
     estimate_paper(r, counters_, options_.paper_min_rays);
   } else {
-    const LeafCorrection leaf = LeafCorrection::of(r.leaf_area_m2, r.voxel_m);
-    for (std::size_t i = 0; i < counters_.size(); ++i) {
-      const VoxelEstimate e = estimate_voxel(counters_[i], r.voxel_m, leaf);
-      r.density[i] = static_cast<float>(e.density), r.variance[i] = static_cast<float>(e.variance);
-      if (!e.observed) continue;
-      const bool enough = static_cast<double>(counters_[i].potential) * VoxelCounters::kUnit >= kMinPotential;
-      r.state[i] = enough ? VoxelState::observed : VoxelState::pooled;
-    }
+    estimate_slabs(r, counters_);
     pool_and_fill(r, counters_);
   }
   counters_.clear();

@@ -131,8 +131,9 @@ Around around(const RowDensity& r, int a, int c, int u, int reach) {
   return out;
 }
 
-void set(RowDensity& r, std::size_t voxel, double density, double variance) {
-  r.density[voxel] = static_cast<float>(density), r.variance[voxel] = static_cast<float>(variance);
+/// To what the slabs around have given the voxel for its hits.
+void add(RowDensity& r, std::size_t voxel, double density, double variance) {
+  r.density[voxel] += static_cast<float>(density), r.variance[voxel] += static_cast<float>(variance);
 }
 
 /// λ̂ over the pool of badly seen voxels; false where the pool is too small.
@@ -140,10 +141,9 @@ bool take_pool(RowDensity& r, const Donors& donors, int a, int u, int depth, std
   for (int reach = kFirstReach; reach <= kLastReach; reach *= 2) {
     const Sum pool = donors.window(a, reach, depth, u);
     if (pool.potential < kMinPooled || !(pool.path > 0)) continue;
-    const double rate = pool.hits / pool.path - pool.hit_path / (pool.path * pool.path);
-    const double density = 2 * std::max(0.0, rate) / r.voxel_m;
+    const double density = 2 * unbiased_rate(pool.hits, pool.path, pool.hit_path) / r.voxel_m;
     // The value of one voxel among the pool: as uncertain as its kind is varied, taken as its own size.
-    set(r, voxel, density, density * density);
+    add(r, voxel, density, density * density);
     return true;
   }
   return false;
@@ -154,7 +154,7 @@ bool take_mean(RowDensity& r, const Donors& donors, int a, int u, int depth, std
     const Sum sum = donors.window(a, reach, depth, u);
     if (sum.count < kMinDonors) continue;
     const double mean = sum.density / sum.count;
-    set(r, voxel, mean, std::max(0.0, sum.square / sum.count - mean * mean));
+    add(r, voxel, mean, std::max(0.0, sum.square / sum.count - mean * mean));
     return true;
   }
   return false;
@@ -171,7 +171,7 @@ void fill_voxel(RowDensity& r, const Donors& donors, int a, int c, int u, int de
     const Around near = reach == 1 ? next : around(r, a, c, u, reach);
     if (near.seen < kMinNear) continue;
     const double mean = near.density / near.seen;
-    set(r, voxel, mean, std::max(0.0, near.square / near.seen - mean * mean));
+    add(r, voxel, mean, std::max(0.0, near.square / near.seen - mean * mean));
     done = true;
   }
   for (int d = depth; !done && d >= 1; --d)
@@ -228,7 +228,7 @@ void estimate_paper(RowDensity& row, std::span<const VoxelCounters> counters, st
               }
           if (rays >= min_rays) break;
         }
-        const VoxelEstimate e = estimate_paper(rays, hits, path);
+        const PaperEstimate e = estimate_paper(rays, hits, path);
         const std::size_t voxel = row.index(a, c, u);
         row.density[voxel] = static_cast<float>(e.density), row.variance[voxel] = static_cast<float>(e.variance);
         const bool own = counters[voxel].rays >= 2;

@@ -6,8 +6,8 @@
 
 namespace rayfield::density {
 
-/// Values for voxels that cannot speak for themselves: potential path below kMinPotential (state pooled on entry when
-/// they have two rays, unobserved otherwise). All such voxels at the same depth inside the canopy, near along the row
+/// Values for voxels whose slab cannot speak for itself (estimate_slabs(): state pooled on entry when they have two
+/// rays, unobserved otherwise). All such voxels at the same depth inside the canopy, near along the row
 /// and in height, are taken together as one: λ̂ = m/S − H/S² over their pooled rays. They are the inside of dense
 /// canopy, and their own rays, few as they are, say so; the better seen voxels beside them are emptier. Where there are
 /// too few such rays, and where the canopy is thin, unobserved voxels get the mean of the nearest seen ones. Depth =

@@ -16,7 +16,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kResultsVersion = 2;
+constexpr int kResultsVersion = 3;
 constexpr float kNotScanned = std::numeric_limits<float>::quiet_NaN();
 
 // The voxels of a scan's tiles, read when needed. Neighbouring rows run through the same tiles, so the latest ones are

@@ -8,7 +8,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kVoxelsVersion = 1;
+constexpr int kVoxelsVersion = 2;
 
 // Corners of a stretch's grid in plan, m.
 Eigen::AlignedBox2d bounds_of(const Stretch& s) {

@@ -8,7 +8,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "voxels";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::size_t kReals = 11, kInts = 6;  // per stretch
 constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 28;
 
@@ -50,7 +50,7 @@ Result<Stretch> pull_stretch(std::span<const double> reals, std::span<const std:
 struct Cursor {
   std::span<const std::int32_t> column;
   std::span<const std::uint32_t> entries, rays, hits;
-  std::span<const std::int64_t> path, potential, path2, path3, hit_path, hit_path2, hit_path3;
+  std::span<const std::int64_t> path, potential, hit_path;
   std::size_t at_column = 0, at_entry = 0, at_voxel = 0, at_hit = 0;
 };
 
@@ -62,16 +62,12 @@ Result<Cursor> open(const tile::ArraySet& a) {
   RAYFIELD_ASSIGN(c.hits, a.column<std::uint32_t>("hits"));
   RAYFIELD_ASSIGN(c.path, a.column<std::int64_t>("path"));
   RAYFIELD_ASSIGN(c.potential, a.column<std::int64_t>("potential"));
-  RAYFIELD_ASSIGN(c.path2, a.column<std::int64_t>("path2"));
-  RAYFIELD_ASSIGN(c.path3, a.column<std::int64_t>("path3"));
   RAYFIELD_ASSIGN(c.hit_path, a.column<std::int64_t>("hit_path"));
-  RAYFIELD_ASSIGN(c.hit_path2, a.column<std::int64_t>("hit_path2"));
-  RAYFIELD_ASSIGN(c.hit_path3, a.column<std::int64_t>("hit_path3"));
   std::size_t hit_voxels = 0;
   for (const std::uint32_t h : c.hits) hit_voxels += h > 0 ? 1u : 0u;
   if (c.rays.size() != c.hits.size() || c.rays.size() != c.path.size())
     return damaged("columns of voxels differ in length");
-  for (const auto& sums : {c.potential, c.path2, c.path3, c.hit_path, c.hit_path2, c.hit_path3})
+  for (const auto& sums : {c.potential, c.hit_path})
     if (sums.size() != hit_voxels) return damaged("sums over hits do not match the hits");
   return c;
 }
@@ -101,8 +97,7 @@ Result<void> pull_voxels(Cursor& c, StretchVoxels& out) {
     if (v.hits > v.rays || v.path < 0) return damaged("a voxel has more hits than rays, or a negative path");
     if (v.hits == 0) continue;
     const std::size_t h = c.at_hit++;
-    v.potential = c.potential[h], v.path2 = c.path2[h], v.path3 = c.path3[h];
-    v.hit_path = c.hit_path[h], v.hit_path2 = c.hit_path2[h], v.hit_path3 = c.hit_path3[h];
+    v.potential = c.potential[h], v.hit_path = c.hit_path[h];
   }
   return {};
 }
@@ -127,9 +122,7 @@ tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
   auto &entries = column<std::uint32_t>(out, "entries"), &rays = column<std::uint32_t>(out, "rays"),
        &hits = column<std::uint32_t>(out, "hits");
   auto &path = column<std::int64_t>(out, "path"), &potential = column<std::int64_t>(out, "potential");
-  auto &path2 = column<std::int64_t>(out, "path2"), &path3 = column<std::int64_t>(out, "path3");
-  auto &hit_path = column<std::int64_t>(out, "hit_path"), &hit_path2 = column<std::int64_t>(out, "hit_path2"),
-       &hit_path3 = column<std::int64_t>(out, "hit_path3");
+  auto& hit_path = column<std::int64_t>(out, "hit_path");
   for (const StretchVoxels& s : voxels.stretches) {
     push_stretch(s.stretch, reals, ints);
     columns.insert(columns.end(), s.column.begin(), s.column.end());
@@ -137,8 +130,7 @@ tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
     for (const VoxelCounters& v : s.voxels) {
       rays.push_back(v.rays), hits.push_back(v.hits), path.push_back(v.path);
       if (v.hits == 0) continue;
-      potential.push_back(v.potential), path2.push_back(v.path2), path3.push_back(v.path3);
-      hit_path.push_back(v.hit_path), hit_path2.push_back(v.hit_path2), hit_path3.push_back(v.hit_path3);
+      potential.push_back(v.potential), hit_path.push_back(v.hit_path);
     }
   }
   return out;

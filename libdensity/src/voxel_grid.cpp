@@ -76,8 +76,7 @@ Result<void> VoxelOptions::validate() const {
 
 VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   rays += other.rays, hits += other.hits;
-  path += other.path, path2 += other.path2, path3 += other.path3;
-  hit_path += other.hit_path, hit_path2 += other.hit_path2, hit_path3 += other.hit_path3;
+  path += other.path, hit_path += other.hit_path;
   potential += other.potential;
   return *this;
 }

@@ -68,16 +68,15 @@ inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen
     if (column >= 0 && (t_exit > t || hit_here)) {
       VoxelCounters& v = sums.voxels[static_cast<std::size_t>(column) * n_up + static_cast<std::size_t>(i[2])];
       const double x = std::max(0.0, t_exit - t) * to_voxels;
-      const double u = x * piece.doubled_projection;
-      const std::int64_t u1 = fixed(u), u2 = fixed(u * u), u3 = fixed(u * u * u);
+      const std::int64_t u = fixed(x * piece.doubled_projection);
       ++v.rays;
-      v.path += u1, v.path2 += u2, v.path3 += u3;
+      v.path += u;
       if (!hit_here) {
-        v.potential += u1;
+        v.potential += u;
       } else {
         ++v.hits;
-        v.hit_path += u1, v.hit_path2 += u2, v.hit_path3 += u3;
-        v.potential += std::max(u1, fixed((next[axis] - t) * to_voxels * piece.doubled_projection));
+        v.hit_path += u;
+        v.potential += std::max(u, fixed((next[axis] - t) * to_voxels * piece.doubled_projection));
       }
       if (at_entry) ++sums.entries[static_cast<std::size_t>(column)];
     }

@@ -1,9 +1,10 @@
-/// Voxel traversal on the rays of a simulated drive past a hedge: rays per second and core, by voxel size.
+/// On the rays of a simulated drive past a hedge: voxel traversal, rays per second and core, by voxel size; estimates,
+/// voxels per second.
 
 #include <benchmark/benchmark.h>
 
 #include "libdensity/hedge_scene.h"
-#include "rayfield/density/estimator.h"
+#include "rayfield/density/row_density.h"
 #include "rayfield/density/voxel_grid.h"
 
 namespace {
@@ -40,13 +41,22 @@ void count_rays(benchmark::State& state) {
 BENCHMARK(count_rays)->Arg(6)->Arg(8)->Arg(12)->Arg(24)->Unit(benchmark::kMillisecond);
 
 void estimate(benchmark::State& state) {
-  density::VoxelCounters v;
-  v.rays = 40, v.hits = 12;
-  v.path = 20 << 25, v.path2 = 16 << 25, v.path3 = 14 << 25, v.hit_path = 5 << 25, v.hit_path2 = 3 << 25,
-  v.hit_path3 = 2 << 25;
-  const auto leaf = density::LeafCorrection::of(0.006, 0.08);
-  for (auto _ : state) benchmark::DoNotOptimize(density::estimate_voxel(v, 0.08, leaf));
+  const double voxel_m = 0.08;
+  const auto stretches = world().hedge.stretches(voxel_m, 0.6, 2.2);
+  auto accumulator = density::VoxelAccumulator::create({0, -1}, 1000, stretches, {}, {});
+  if (!accumulator || !accumulator->add(world().rays)) {
+    state.SkipWithError("no voxels");
+    return;
+  }
+  const density::TileVoxels voxels = std::move(*accumulator).finish();
+  std::int64_t count = 0;
+  for (auto _ : state) {
+    auto builder = density::RowDensityBuilder::create(stretches.front().row, stretches, {}, voxels.pairs, {});
+    if (!builder || !builder->add(voxels)) state.SkipWithError("no row");
+    count = static_cast<std::int64_t>(std::move(*builder).finish().density.size());
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * count);
 }
-BENCHMARK(estimate);
+BENCHMARK(estimate)->Unit(benchmark::kMillisecond);
 
 }  // namespace

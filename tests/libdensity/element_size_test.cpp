@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "hedge_scene.h"
 #include "rayfield/density/voxel_grid.h"
@@ -79,6 +82,53 @@ TEST(ElementSize, PairsAreSortedByWhereTheNextRayEnds) {
   EXPECT_EQ(pairs.front[2], 1u);
   EXPECT_EQ(pairs.same[2], 1u);
   EXPECT_EQ(pairs.behind[2], 1u);
+}
+
+/// A square leaf through a random point of the voxel [0, v)³, and one of the lines that cross the voxel: the chord of
+/// the voxel, and whether the leaf stops the ray before it comes to the voxel.
+struct Shadow {
+  double chord = 0;
+  bool lost = false;
+};
+
+Shadow random_shadow(double side, double v, std::mt19937_64& rng) {
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> normal;
+  const auto direction = [&] { return Eigen::Vector3d(normal(rng), normal(rng), normal(rng)).normalized(); };
+  const Eigen::Vector3d hit = v * Eigen::Vector3d(uniform(rng), uniform(rng), uniform(rng)), n = direction();
+  const Eigen::Vector3d a = n.cross(direction()).normalized(), b = n.cross(a);
+  const Eigen::Vector3d centre = hit + side * ((uniform(rng) - 0.5) * a + (uniform(rng) - 0.5) * b);
+  const Eigen::Vector3d d = direction(), e = d.unitOrthogonal();
+  const double disc = 1.8 * v;  // a square across the ray that hides the voxel
+  const Eigen::Vector3d o =
+      Eigen::Vector3d::Constant(v / 2) + disc * (uniform(rng) - 0.5) * e + disc * (uniform(rng) - 0.5) * d.cross(e);
+  double in = -1e9, out = 1e9;
+  for (int k = 0; k < 3; ++k) {
+    const double f = -o[k] / d[k], g = (v - o[k]) / d[k];
+    in = std::max(in, std::min(f, g)), out = std::min(out, std::max(f, g));
+  }
+  const double t = (centre - o).dot(n) / d.dot(n);
+  const Eigen::Vector3d at = o + t * d - centre;
+  return {std::max(0.0, out - in), t < in && std::abs(at.dot(a)) < side / 2 && std::abs(at.dot(b)) < side / 2};
+}
+
+TEST(FrontShadow, IsTheShareOfPathThatElementsHitInTheVoxelTakeAwayInFrontOfIt) {
+  for (const double area : {0.0020, 0.0069, 0.0140})
+    for (const double voxel : {0.06, 0.08, 0.12}) {
+      std::mt19937_64 rng(5);
+      double chords = 0, lost = 0;
+      for (int i = 0; i < 400000; ++i) {
+        const Shadow s = random_shadow(std::sqrt(area), voxel, rng);
+        chords += s.chord, lost += s.lost ? s.chord : 0;
+      }
+      EXPECT_NEAR(front_shadow(area, voxel), lost / chords, 0.04 * lost / chords + 3e-4) << area << " " << voxel;
+    }
+}
+
+TEST(FrontShadow, VanishesWithTheElementAndGrowsWithIt) {
+  EXPECT_EQ(front_shadow(0, 0.08), 0);
+  EXPECT_LT(front_shadow(1e-7, 0.08), 1e-6);
+  EXPECT_GT(front_shadow(0.01, 0.08), front_shadow(0.005, 0.08));
 }
 
 }  // namespace

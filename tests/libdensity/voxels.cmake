@@ -6,6 +6,7 @@ rayfield_test(density_voxel_test LABEL unit
           ${CMAKE_CURRENT_LIST_DIR}/integrate_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaf_angle_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/missing_rays_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slab_density_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/voxel_arrays_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/voxel_grid_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/wood_test.cpp
@@ -13,5 +14,4 @@ rayfield_test(density_voxel_test LABEL unit
 rayfield_test(density_hedge_test LABEL slow
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/hedge_scene.cpp
           ${CMAKE_CURRENT_LIST_DIR}/row_density_test.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/triangles_test.cpp
   LINK rayfield::density)

@@ -43,9 +43,9 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
 /// with a difference of range below the window of ElementPairs.
 double same_element_probability(double distance_m, double side_m, double range_noise_m);
 
-/// The mean area that an element takes from the view of the other rays through the same voxel: the expected shadow
-/// volume that it casts inside the voxel, over the mean path behind a random point, over G. It counts the shadow of
-/// the parts of the element that lie outside the voxel too. In the limit of small elements it is area_m2.
-double effective_element_area(double area_m2, double voxel_m);
+/// Expected share of the potential path through a voxel that is lost to an element hit in it: to the parts of that
+/// element that lie outside the voxel, in front of it. Square elements, isotropic normals and rays, any place of the
+/// hit. By quadrature with fixed random numbers; 0 in the limit of small elements.
+double front_shadow(double area_m2, double voxel_m);
 
 }  // namespace rayfield::density

@@ -10,7 +10,7 @@
 namespace rayfield::density {
 
 enum class Estimator {
-  unbiased,  ///< λ̂ = m/S − H/S², finite leaves corrected
+  unbiased,  ///< λ̂ = m/S − H/S² over slabs of nine voxels, finite leaves corrected
   paper      ///< (n−1)/n·m/S with neighbours borrowed until n ≥ 10: the published method
 };
 /// "unbiased", "paper". Errors: usage.
@@ -20,7 +20,7 @@ std::string_view estimator_name(Estimator estimator);
 struct EstimatorOptions {
   Estimator estimator = Estimator::unbiased;
   /// Area of one leaf, m²; 0 = none (infinitesimal leaves), negative = measured from the scan (estimate_element_size).
-  /// A third too large lowers the density of a typical canopy by about 2 %. Valid: < 0, or 0…0.05.
+  /// A third too large lowers the density of a typical canopy by about 1 %. Valid: < 0, or 0…0.05.
   double leaf_area_m2 = -1;
   std::uint32_t paper_min_rays = 10;  ///< `paper` borrows until a voxel has that many rays. Valid: 1…1000
   /// Relative standard error that all voxels of a panel share (leaf angles, clumping below the voxel size), in the
@@ -29,43 +29,19 @@ struct EstimatorOptions {
   Result<void> validate() const;
 };
 
-/// The two constants of the finite-leaf correction for one voxel size.
-struct LeafCorrection {
-  double area_m2 = 0;            ///< of one leaf; enters the variance
-  double effective_area_m2 = 0;  ///< effective_element_area(); enters the mean
-  static LeafCorrection of(double leaf_area_m2, double voxel_m);
+/// λ̂ per voxel side from Σ w·m, Σ w·S and Σ w²·H over rays or voxels with fixed weights w (m hits, S
+/// spherical-equivalent path in voxel sides, H that of the rays that hit): m/S − H/S². Density = 2·λ̂ / voxel side.
+/// Unbiased for leaves that are a Poisson process along every ray, for two rays or more; 0 without path. See
+/// docs/density.md.
+double unbiased_rate(double hits, double path, double hit_path);
+
+struct PaperEstimate {
+  double density = 0;   ///< one-sided area per volume, m²/m³
+  double variance = 0;  ///< of density, (m²/m³)²
+  bool observed = false;
 };
-
-struct VoxelEstimate {
-  double density = 0;     ///< one-sided area per volume, m²/m³
-  double variance = 0;    ///< of density, (m²/m³)²
-  bool observed = false;  ///< at least two rays
-};
-
-/// Potential path (Σ of what the rays would have crossed without their hits, in voxel sides) from which a voxel speaks
-/// for itself. With fewer rays λ̂ is still unbiased, but of unbounded variance: two rays that both end on entering say
-/// "infinitely dense". The potential path depends on where the rays go and not on what they meet in the voxel, so that
-/// the choice does not bias what is kept. Less path: see pool_and_fill() in docs/density.md.
-inline constexpr double kMinPotential = 3.0;
-
-/// One voxel on its own. With u the spherical-equivalent paths (VoxelCounters), S and H sums of the effective paths
-/// u + λ₁u²/2 + λ₁²u³/3 (Pimont et al. 2018, third order), λ₁ = ½·effective leaf area / voxel volume per metre:
-///   λ̂ = m/S − H/S², density = 2·λ̂.  Unbiased for Poisson leaves when n ≥ 2.
-/// Variance of λ̂: m/S² + λ̂·½·leaf area / volume: rays are Poisson events, and the leaves behind them come whole.
-/// The value is given whatever the potential path.
-VoxelEstimate estimate_voxel(const VoxelCounters& counters, double voxel_m, const LeafCorrection& leaf);
-
 /// m/S·(n−1)/n, density = 2·λ̂, from pooled sums: rays, hits and Σ of spherical-equivalent paths (m).
-VoxelEstimate estimate_paper(std::uint64_t rays, std::uint64_t hits, double path_m);
-
-/// λ̂ for rays with weights w_i and projections G_i, as area per volume: Σ_hit w/S − Σ_hit w²·G·x/S², S = Σ w·G·x.
-struct WeightedRay {
-  double path_m;      ///< x: free path in the voxel
-  double projection;  ///< G
-  double weight;      ///< w
-  bool hit;
-};
-double estimate_weighted(const WeightedRay* rays, std::size_t count);
+PaperEstimate estimate_paper(std::uint64_t rays, std::uint64_t hits, double path_m);
 
 struct Interval {
   double low = 0, high = 0;

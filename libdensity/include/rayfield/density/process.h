@@ -21,13 +21,13 @@
 
 namespace rayfield::density {
 
-/// Voxels fitted to the leaves (docs/density.md, "Voxel size"): a leaf that fills a voxel cannot be told from a dense
-/// one, and uneven density inside a large voxel is underestimated. The side is `leaf_sides` times that of a square as
+/// Voxels fitted to the leaves (docs/density.md, "Voxel size"): leaves that reach out of a small voxel shade it, and
+/// uneven density inside a large one is underestimated. The side is `leaf_sides` times that of a square as
 /// large as the leaves that a sample of the scan shows, in steps of 1 cm.
 struct VoxelFitOptions {
   bool enabled = true;      ///< false: StretchOptions::voxel_m rules
-  double leaf_sides = 1.1;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
-  double min_m = 0.07;      ///< 0.03…0.3
+  double leaf_sides = 1.0;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
+  double min_m = 0.06;      ///< 0.03…0.3
   double max_m = 0.12;      ///< min_m…0.3; the paper's size
   double sample_m = 0.08;   ///< side of the voxels in which the sample is counted, 0.03…0.3
   int every_chunk = 8;      ///< of a tile's chunks of rays, one in so many is sampled, 1…1000

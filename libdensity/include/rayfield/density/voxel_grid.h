@@ -39,17 +39,13 @@ struct VoxelCounters {
   std::uint32_t rays = 0;      ///< n: rays that enter; one that starts inside counts
   std::uint32_t hits = 0;      ///< m: hits inside, those on masked wood left out
   std::int64_t path = 0;       ///< Σ u
-  std::int64_t path2 = 0;      ///< Σ u²
-  std::int64_t path3 = 0;      ///< Σ u³
   std::int64_t hit_path = 0;   ///< Σ u over the hits
-  std::int64_t hit_path2 = 0;  ///< Σ u² over the hits
-  std::int64_t hit_path3 = 0;  ///< Σ u³ over the hits
   std::int64_t potential = 0;  ///< Σ of the u that the rays would have had without their hits here
   static constexpr double kUnit = 1.0 / (1 << 25);
   VoxelCounters& operator+=(const VoxelCounters& other);
   bool operator==(const VoxelCounters&) const = default;
 };
-static_assert(sizeof(VoxelCounters) == 64, "one cache line");
+static_assert(sizeof(VoxelCounters) == 32, "two to a cache line");
 
 /// The voxels of one stretch whose columns belong to one tile: a column belongs to the tile that holds its centre.
 struct StretchVoxels {
