@@ -164,8 +164,8 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
   return out;
 }
 
-double front_shadow(double area_m2, double voxel_m) {
-  if (!(area_m2 > 0) || !(voxel_m > 0)) return 0;
+ElementShadow element_shadow(double area_m2, double voxel_m) {
+  if (!(area_m2 > 0) || !(voxel_m > 0)) return {};
   const double side = std::sqrt(area_m2), dt = voxel_m / 24;
   Uniform uniform(20181212);
   // Share of places of a point in the voxel for which it is there with these two shifts of itself.
@@ -175,19 +175,23 @@ double front_shadow(double area_m2, double voxel_m) {
       p *= std::max(0.0, 1 - (std::max({0.0, a[k], b[k]}) - std::min({0.0, a[k], b[k]})) / voxel_m);
     return p;
   };
-  double behind = 0;  // length of the shadow inside the voxel
+  // Lengths of shadow in the voxel, by whether the point of the element that casts it lies there too.
+  double all = 0, inside = 0, hits = 0;
   for (int i = 0; i < kSamples; ++i) {
     const Eigen::Vector3d normal = uniform.direction(), ray = uniform.direction();
     const Eigen::Vector3d axis_u = normal.unitOrthogonal(), axis_v = normal.cross(axis_u);
-    // From the hit, inside the voxel, to another random point of the element, outside.
+    // From the hit, inside the voxel, to another random point of the element.
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
-    const double cosine = std::abs(normal.dot(ray));
+    const double cosine = std::abs(normal.dot(ray));  // hits are as frequent, and shadows as wide
+    hits += cosine;
     for (double t = dt / 2; t < 1.75 * voxel_m + 2 * side; t += dt) {
       const Eigen::Vector3d at = offset + t * ray;
-      behind += dt * cosine * (overlap(at, at) - overlap(offset, at));
+      all += dt * cosine * cosine * overlap(at, at);
+      inside += dt * cosine * cosine * overlap(offset, at);
     }
   }
-  return area_m2 * behind / (kSamples * voxel_m * voxel_m * voxel_m);
+  const double share = area_m2 / (hits * voxel_m * voxel_m * voxel_m);
+  return {share * (all - inside), share * inside};
 }
 
 }  // namespace rayfield::density

@@ -43,23 +43,26 @@ struct Slab {
 };
 
 Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const std::vector<double>& weight,
-             double shadow, int along, int across, int up) {
+             const ElementShadow& shadow, int along, int across, int up) {
   Slab out;
+  double lit = 0, count = 0;  // Σ w·P, N
   for_slab(r, along, across, up, [&](std::size_t i) {
     const VoxelCounters& v = counters[i];
     const double w = weight[i], potential = potential_of(v);
     out.potential += potential;
-    out.path += w * kUnit * static_cast<double>(v.path) * (1 + shadow * w * potential);
+    out.path += w * kUnit * static_cast<double>(v.path) * (1 + shadow.in_front * w * potential);
+    lit += w * potential, count += 1;
     out.hits += w * v.hits, out.hits_squared += w * w * v.hits;
     out.hit_path += w * w * kUnit * static_cast<double>(v.hit_path);
   });
+  out.path += shadow.inside * lit / count;
   return out;
 }
 
 }  // namespace
 
 void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
-  const double shadow = front_shadow(r.leaf_area_m2, r.voxel_m);
+  const ElementShadow shadow = element_shadow(r.leaf_area_m2, r.voxel_m);
   const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
   const double whole_leaves = 0.5 * r.leaf_area_m2 / (r.voxel_m * r.voxel_m);
   const std::vector<double> weight = weights_of(r, counters);

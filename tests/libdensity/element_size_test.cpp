@@ -84,11 +84,10 @@ TEST(ElementSize, PairsAreSortedByWhereTheNextRayEnds) {
   EXPECT_EQ(pairs.behind[2], 1u);
 }
 
-/// A square leaf through a random point of the voxel [0, v)³, and one of the lines that cross the voxel: the chord of
-/// the voxel, and whether the leaf stops the ray before it comes to the voxel.
+/// A square leaf through a random point of the voxel [0, v)³, and one of the lines that cross the voxel: how often a
+/// line of that direction hits the leaf, the chord of the voxel, and what the leaf takes of it.
 struct Shadow {
-  double chord = 0;
-  bool lost = false;
+  double weight = 0, chord = 0, in_front = 0, inside = 0;
 };
 
 Shadow random_shadow(double side, double v, std::mt19937_64& rng) {
@@ -107,28 +106,37 @@ Shadow random_shadow(double side, double v, std::mt19937_64& rng) {
     const double f = -o[k] / d[k], g = (v - o[k]) / d[k];
     in = std::max(in, std::min(f, g)), out = std::min(out, std::max(f, g));
   }
+  Shadow s{std::abs(n.dot(d)), std::max(0.0, out - in), 0, 0};
   const double t = (centre - o).dot(n) / d.dot(n);
   const Eigen::Vector3d at = o + t * d - centre;
-  return {std::max(0.0, out - in), t < in && std::abs(at.dot(a)) < side / 2 && std::abs(at.dot(b)) < side / 2};
+  if (std::abs(at.dot(a)) < side / 2 && std::abs(at.dot(b)) < side / 2)
+    (t < in ? s.in_front : s.inside) = t < in ? s.chord : std::max(0.0, out - t);
+  return s;
 }
 
-TEST(FrontShadow, IsTheShareOfPathThatElementsHitInTheVoxelTakeAwayInFrontOfIt) {
+TEST(ElementShadow, IsTheShareOfPathThatElementsHitInTheVoxelTakeAwayFromLinesOfTheSameDirection) {
   for (const double area : {0.0020, 0.0069, 0.0140})
     for (const double voxel : {0.06, 0.08, 0.12}) {
       std::mt19937_64 rng(5);
-      double chords = 0, lost = 0;
-      for (int i = 0; i < 400000; ++i) {
+      double weights = 0, chords = 0, in_front = 0, inside = 0;
+      const int trials = 400000;
+      for (int i = 0; i < trials; ++i) {
         const Shadow s = random_shadow(std::sqrt(area), voxel, rng);
-        chords += s.chord, lost += s.lost ? s.chord : 0;
+        weights += s.weight, chords += s.chord;
+        in_front += s.weight * s.in_front, inside += s.weight * s.inside;
       }
-      EXPECT_NEAR(front_shadow(area, voxel), lost / chords, 0.04 * lost / chords + 3e-4) << area << " " << voxel;
+      const double norm = trials / (weights * chords);
+      const ElementShadow shadow = element_shadow(area, voxel);
+      EXPECT_NEAR(shadow.in_front, in_front * norm, 0.04 * in_front * norm + 3e-4) << area << " " << voxel;
+      EXPECT_NEAR(shadow.inside, inside * norm, 0.04 * inside * norm) << area << " " << voxel;
     }
 }
 
-TEST(FrontShadow, VanishesWithTheElementAndGrowsWithIt) {
-  EXPECT_EQ(front_shadow(0, 0.08), 0);
-  EXPECT_LT(front_shadow(1e-7, 0.08), 1e-6);
-  EXPECT_GT(front_shadow(0.01, 0.08), front_shadow(0.005, 0.08));
+TEST(ElementShadow, VanishesWithTheElementAndGrowsWithIt) {
+  EXPECT_EQ(element_shadow(0, 0.08).in_front + element_shadow(0, 0.08).inside, 0);
+  EXPECT_LT(element_shadow(1e-7, 0.08).inside, 1e-4);
+  EXPECT_GT(element_shadow(0.01, 0.08).in_front, element_shadow(0.005, 0.08).in_front);
+  EXPECT_GT(element_shadow(0.01, 0.08).inside, element_shadow(0.005, 0.08).inside);
 }
 
 }  // namespace

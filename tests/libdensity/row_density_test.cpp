@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hedge_run.h"
+#include "rayfield/density/process.h"
 
 namespace rayfield::density {
 namespace {
@@ -22,8 +23,10 @@ using testing::truth_of;
 
 constexpr double kVoxel = 0.08;
 
-/// As process() chooses it: the side of a leaf, in whole centimetres.
-double fitted_voxel(double leaf_area_m2) { return std::round(100 * std::sqrt(leaf_area_m2)) / 100; }
+/// As process() chooses it.
+double fitted_voxel(double leaf_area_m2) {
+  return std::max(0.06, std::round(VoxelFitOptions{}.leaf_sides * 100 * std::sqrt(leaf_area_m2)) / 100);
+}
 
 HedgeOptions hedge_options(double leaf_cm2, double per_metre, bool wide, bool shoots) {
   HedgeOptions o;

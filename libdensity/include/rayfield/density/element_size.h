@@ -43,9 +43,14 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
 /// with a difference of range below the window of ElementPairs.
 double same_element_probability(double distance_m, double side_m, double range_noise_m);
 
-/// Expected share of the potential path through a voxel that is lost to an element hit in it: to the parts of that
-/// element that lie outside the voxel, in front of it. Square elements, isotropic normals and rays, any place of the
-/// hit. By quadrature with fixed random numbers; 0 in the limit of small elements.
-double front_shadow(double area_m2, double voxel_m);
+/// What an element that is hit in a voxel takes of the potential path of other rays through that voxel, as a share of it.
+struct ElementShadow {
+  double in_front = 0;  ///< by its parts that lie outside the voxel, on the way to it
+  double inside = 0;    ///< by its parts inside, behind which nothing is seen
+};
+/// Square elements, isotropic normals, any place of the hit; the other rays come from where the ray came from that hit
+/// (a drive sees a voxel from few directions), so that c² and not c·c of the angle to the normal counts: a third more
+/// than for rays of all directions. By quadrature with fixed random numbers; 0 in the limit of small elements.
+ElementShadow element_shadow(double area_m2, double voxel_m);
 
 }  // namespace rayfield::density

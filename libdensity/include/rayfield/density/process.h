@@ -26,7 +26,7 @@ namespace rayfield::density {
 /// large as the leaves that a sample of the scan shows, in steps of 1 cm.
 struct VoxelFitOptions {
   bool enabled = true;      ///< false: StretchOptions::voxel_m rules
-  double leaf_sides = 1.0;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
+  double leaf_sides = 0.9;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
   double min_m = 0.06;      ///< 0.03…0.3
   double max_m = 0.12;      ///< min_m…0.3; the paper's size
   double sample_m = 0.08;   ///< side of the voxels in which the sample is counted, 0.03…0.3
