@@ -10,7 +10,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kVoxelSizeVersion = 2;
+constexpr int kVoxelSizeVersion = 3;
 
 // Neighbouring beams in a sample of one tile's chunks; sums of integers, so that their order does not matter.
 Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
@@ -50,7 +50,8 @@ Result<ElementPairs> sample_scan(ScanWork& work, const StretchList& stretches, s
 }
 
 double fitted_size(double leaf_area_m2, const VoxelFitOptions& options) {
-  const double side = std::round(options.leaf_sides * std::sqrt(leaf_area_m2) * 100) / 100;
+  // Whole millimetres: finer than the leaves are known, and no step between drives that see them a little different.
+  const double side = std::round(options.leaf_sides * std::sqrt(leaf_area_m2) * 1000) / 1000;
   return std::clamp(side, options.min_m, options.max_m);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -25,7 +26,8 @@ constexpr double kVoxel = 0.08;
 
 /// As process() chooses it.
 double fitted_voxel(double leaf_area_m2) {
-  return std::max(0.06, std::round(VoxelFitOptions{}.leaf_sides * 100 * std::sqrt(leaf_area_m2)) / 100);
+  const VoxelFitOptions fit;
+  return std::clamp(std::round(1000 * fit.leaf_sides * std::sqrt(leaf_area_m2)) / 1000, fit.min_m, fit.max_m);
 }
 
 HedgeOptions hedge_options(double leaf_cm2, double per_metre, bool wide, bool shoots) {

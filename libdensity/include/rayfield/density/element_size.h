@@ -43,7 +43,8 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
 /// with a difference of range below the window of ElementPairs.
 double same_element_probability(double distance_m, double side_m, double range_noise_m);
 
-/// What an element that is hit in a voxel takes of the potential path of other rays through that voxel, as a share of it.
+/// What an element that is hit in a voxel takes of the potential path of other rays through that voxel, as a share of
+/// it.
 struct ElementShadow {
   double in_front = 0;  ///< by its parts that lie outside the voxel, on the way to it
   double inside = 0;    ///< by its parts inside, behind which nothing is seen

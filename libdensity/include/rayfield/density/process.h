@@ -23,14 +23,14 @@ namespace rayfield::density {
 
 /// Voxels fitted to the leaves (docs/density.md, "Voxel size"): leaves that reach out of a small voxel shade it, and
 /// uneven density inside a large one is underestimated. The side is `leaf_sides` times that of a square as
-/// large as the leaves that a sample of the scan shows, in steps of 1 cm.
+/// large as the leaves that a sample of the scan shows, in whole millimetres.
 struct VoxelFitOptions {
-  bool enabled = true;      ///< false: StretchOptions::voxel_m rules
-  double leaf_sides = 0.9;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
-  double min_m = 0.06;      ///< 0.03…0.3
-  double max_m = 0.12;      ///< min_m…0.3; the paper's size
-  double sample_m = 0.08;   ///< side of the voxels in which the sample is counted, 0.03…0.3
-  int every_chunk = 8;      ///< of a tile's chunks of rays, one in so many is sampled, 1…1000
+  bool enabled = true;       ///< false: StretchOptions::voxel_m rules
+  double leaf_sides = 0.85;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
+  double min_m = 0.06;       ///< 0.03…0.3
+  double max_m = 0.12;       ///< min_m…0.3; the paper's size
+  double sample_m = 0.08;    ///< side of the voxels in which the sample is counted, 0.03…0.3
+  int every_chunk = 8;       ///< of a tile's chunks of rays, one in so many is sampled, 1…1000
   Result<void> validate() const;
 };
 
