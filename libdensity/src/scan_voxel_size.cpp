@@ -12,21 +12,26 @@ namespace {
 
 constexpr int kVoxelSizeVersion = 3;
 
-// Neighbouring beams in a sample of one tile's chunks; sums of integers, so that their order does not matter.
+constexpr std::size_t kRun = 512;  // rays; long against the neighbours that are compared, short against a drive
+
+// Neighbouring beams in a sample of one tile's rays: short runs from everywhere, since whole chunks show single leaves
+// too often. Sums of integers, so that their order does not matter.
 Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const auto every = static_cast<std::size_t>(work.options.voxel_fit.every_chunk);
-  const std::size_t samples = (reader.chunk_count() + every - 1) / every;
-  const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(samples))));
+  const auto every = kRun * static_cast<std::size_t>(work.options.voxel_fit.every_run);
+  const std::size_t chunks = reader.chunk_count();
+  const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(chunks))));
   std::vector<VoxelAccumulator> parts;
   for (std::size_t w = 1; w < workers; ++w) parts.push_back(empty.fork());
   parts.push_back(std::move(empty));
   std::vector<tile::SegmentBatch> batches(workers);
-  RAYFIELD_CHECK(parallel_for(samples, static_cast<int>(workers), [&](std::size_t sample, int worker) -> Result<void> {
+  RAYFIELD_CHECK(parallel_for(chunks, static_cast<int>(workers), [&](std::size_t chunk, int worker) -> Result<void> {
     const auto w = static_cast<std::size_t>(worker);
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_CHECK(reader.read_chunk(sample * every, batches[w]));
-    return parts[w].add(batches[w]);
+    RAYFIELD_CHECK(reader.read_chunk(chunk, batches[w]));
+    for (std::size_t i = 0; i < batches[w].size(); i += every)
+      RAYFIELD_CHECK(parts[w].add(batches[w], i, std::min(i + kRun, batches[w].size())));
+    return {};
   }));
   for (std::size_t w = 1; w < parts.size(); ++w) RAYFIELD_CHECK(parts[0].merge(parts[w]));
   return std::move(parts[0]).finish().pairs;

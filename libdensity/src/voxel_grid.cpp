@@ -186,8 +186,8 @@ std::size_t VoxelAccumulator::memory_bytes() const {
   return bytes;
 }
 
-Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
-  segments_ += segments.size();
+Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments, std::size_t first, std::size_t last) {
+  segments_ += last - first;
   if (segments_ > std::numeric_limits<std::uint32_t>::max())
     return fail(ErrorCode::resources, "cannot count rays",
                 "tile " + std::to_string(geometry_->tile.ix) + "_" + std::to_string(geometry_->tile.iy),
@@ -196,7 +196,7 @@ Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
   std::vector<std::uint64_t> mask(static_cast<std::size_t>(geometry_->index.words()));
   bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
   Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < segments.size(); ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     const Eigen::Vector3d p = segments.entry[i];
     Eigen::Vector3d d = segments.exit[i] - p;
     const double length = d.norm();

@@ -85,7 +85,9 @@ class VoxelAccumulator {
   /// Another accumulator over the same voxels, all zero; shares the geometry.
   VoxelAccumulator fork() const;
   /// Errors: resources, after 2³²−1 segments.
-  Result<void> add(const tile::SegmentBatch& segments);
+  Result<void> add(const tile::SegmentBatch& segments) { return add(segments, 0, segments.size()); }
+  /// The segments `first` … `last` − 1 only.
+  Result<void> add(const tile::SegmentBatch& segments, std::size_t first, std::size_t last);
   Result<void> merge(const VoxelAccumulator& other);
   TileVoxels finish() &&;
 
