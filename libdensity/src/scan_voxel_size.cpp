@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "option_keys.h"
 #include "rayfield/core/parallel.h"
@@ -12,13 +14,19 @@ namespace {
 
 constexpr int kVoxelSizeVersion = 3;
 
-constexpr std::size_t kRun = 512;  // rays; long against the neighbours that are compared, short against a drive
+constexpr std::size_t kRun =
+    64;  // rays; long against the neighbours that are compared, short against a turn of the lidar
+
+// One run in `every`, in steps of the golden ratio: evenly spread, and in step with nothing that turns.
+bool is_sampled(std::size_t run, std::uint32_t every) {
+  return static_cast<std::uint32_t>(run * 2654435769U) < std::numeric_limits<std::uint32_t>::max() / every;
+}
 
 // Neighbouring beams in a sample of one tile's rays: short runs from everywhere, since whole chunks show single leaves
 // too often. Sums of integers, so that their order does not matter.
 Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const auto every = kRun * static_cast<std::size_t>(work.options.voxel_fit.every_run);
+  const auto every = static_cast<std::uint32_t>(work.options.voxel_fit.every_run);
   const std::size_t chunks = reader.chunk_count();
   const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(chunks))));
   std::vector<VoxelAccumulator> parts;
@@ -29,8 +37,9 @@ Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, V
     const auto w = static_cast<std::size_t>(worker);
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_CHECK(reader.read_chunk(chunk, batches[w]));
-    for (std::size_t i = 0; i < batches[w].size(); i += every)
-      RAYFIELD_CHECK(parts[w].add(batches[w], i, std::min(i + kRun, batches[w].size())));
+    for (std::size_t i = 0; i < batches[w].size(); i += kRun)
+      if (is_sampled(i / kRun + chunk, every))
+        RAYFIELD_CHECK(parts[w].add(batches[w], i, std::min(i + kRun, batches[w].size())));
     return {};
   }));
   for (std::size_t w = 1; w < parts.size(); ++w) RAYFIELD_CHECK(parts[0].merge(parts[w]));
