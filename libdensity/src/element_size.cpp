@@ -167,6 +167,7 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
 ElementShadow element_shadow(double area_m2, double voxel_m) {
   if (!(area_m2 > 0) || !(voxel_m > 0)) return {};
   const double side = std::sqrt(area_m2), dt = voxel_m / 24;
+  const int steps = static_cast<int>(std::ceil((1.75 * voxel_m + 2 * side) / dt));
   Uniform uniform(20181212);
   // Share of places of a point in the voxel for which it is there with these two shifts of itself.
   const auto overlap = [voxel_m](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -184,8 +185,8 @@ ElementShadow element_shadow(double area_m2, double voxel_m) {
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
     const double cosine = std::abs(normal.dot(ray));  // hits are as frequent, and shadows as wide
     hits += cosine;
-    for (double t = dt / 2; t < 1.75 * voxel_m + 2 * side; t += dt) {
-      const Eigen::Vector3d at = offset + t * ray;
+    for (int step = 0; step < steps; ++step) {
+      const Eigen::Vector3d at = offset + (step + 0.5) * dt * ray;
       all += dt * cosine * cosine * overlap(at, at);
       inside += dt * cosine * cosine * overlap(offset, at);
     }

@@ -183,7 +183,7 @@ Result<void> RowDensityBuilder::add(const TileVoxels& tile) {
         const auto number = static_cast<std::size_t>(
             block.column[static_cast<std::size_t>(a) * static_cast<std::size_t>(found->n_across) +
                          static_cast<std::size_t>(c)]);
-        row_.entries[static_cast<std::size_t>(first[k] + a)] += block.entries[number];
+        row_.entries[static_cast<std::size_t>(first[k]) + static_cast<std::size_t>(a)] += block.entries[number];
         const std::size_t to = row_.index(first[k] + a, c + across_shift, up_shift);
         for (std::size_t u = 0; u < column.size(); ++u) counters_[to + u] += column[u];
       }
