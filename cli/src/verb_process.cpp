@@ -84,7 +84,7 @@ void add_process_verb(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("--date", options.dates, "Only these dates or scans (default: all)");
   command->add_option("--voxel-size", arguments->voxel_m,
-                      "Side of a voxel, m (default: fitted to the leaves, 0.05 to 0.12)");
+                      "Side of a voxel, m (default: fitted to the leaves, 0.06 to 0.12)");
   command->add_option("--estimator", arguments->estimator, "unbiased, or paper (the published method)")
       ->capture_default_str();
   command

@@ -10,7 +10,7 @@ namespace rayfield::density {
 /// for itself. With less λ̂ is still unbiased, but of unbounded variance: two rays that both end on entering say
 /// "infinitely dense". The potential path depends on where the rays go and not on what they meet in the voxels, so that
 /// the choice does not bias what is kept. Less path: see pool_and_fill() in row_fill.h.
-inline constexpr double kMinPotential = 6.0;
+inline constexpr double kMinPotential = 3.0;
 
 /// Density, variance and state of every voxel (docs/density.md, "Slabs"). The slab of a voxel is the voxel and its
 /// eight neighbours in the plane along the row and upwards; across the row, where light is lost, it is one voxel thick.

@@ -27,7 +27,7 @@ namespace rayfield::density {
 struct VoxelFitOptions {
   bool enabled = true;       ///< false: StretchOptions::voxel_m rules
   double leaf_sides = 0.85;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
-  double min_m = 0.05;       ///< 0.03…0.3
+  double min_m = 0.06;       ///< 0.03…0.3
   double max_m = 0.12;       ///< min_m…0.3; the paper's size
   double sample_m = 0.08;    ///< side of the voxels in which the sample is counted, 0.03…0.3
   int every_run = 2;         ///< of runs of rays one after the other, one in so many is sampled, 1…1000
