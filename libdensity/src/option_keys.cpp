@@ -50,7 +50,7 @@ KeyBuilder& add_options(KeyBuilder& key, const VoxelOptions& o) {
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& o) {
-  return add_numbers(key, {o.leaf_sides, o.min_m, o.max_m, o.sample_m, static_cast<double>(o.every_run)});
+  return add_numbers(key, {o.leaf_sides, o.min_m, o.max_m, o.sample_m});
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const EstimatorOptions& o) {

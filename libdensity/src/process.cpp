@@ -44,7 +44,7 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
 
 Result<void> VoxelFitOptions::validate() const {
   const bool good = leaf_sides >= 0.5 && leaf_sides <= 5 && min_m >= 0.03 && max_m >= min_m && max_m <= 0.3 &&
-                    sample_m >= 0.03 && sample_m <= 0.3 && every_run >= 1 && every_run <= 1000;
+                    sample_m >= 0.03 && sample_m <= 0.3;
   if (good) return {};
   return fail(ErrorCode::usage, "cannot fit the voxels", "voxel_fit", "a value is out of range",
               "see rayfield/density/process.h for the ranges");

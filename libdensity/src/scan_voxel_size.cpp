@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 
 #include "option_keys.h"
 #include "rayfield/core/parallel.h"
@@ -14,19 +12,9 @@ namespace {
 
 constexpr int kVoxelSizeVersion = 3;
 
-constexpr std::size_t kRun =
-    64;  // rays; long against the neighbours that are compared, short against a turn of the lidar
-
-// One run in `every`, in steps of the golden ratio: evenly spread, and in step with nothing that turns.
-bool is_sampled(std::size_t run, std::uint32_t every) {
-  return static_cast<std::uint32_t>(run * 2654435769U) < std::numeric_limits<std::uint32_t>::max() / every;
-}
-
-// Neighbouring beams in a sample of one tile's rays: short runs from everywhere, since whole chunks show single leaves
-// too often. Sums of integers, so that their order does not matter.
-Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
+// Neighbouring beams on one tile. Sums of integers, so that their order does not matter.
+Result<ElementPairs> pairs_of_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const auto every = static_cast<std::uint32_t>(work.options.voxel_fit.every_run);
   const std::size_t chunks = reader.chunk_count();
   const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(chunks))));
   std::vector<VoxelAccumulator> parts;
@@ -37,16 +25,14 @@ Result<ElementPairs> sample_tile(ScanWork& work, const tile::TileEntry& entry, V
     const auto w = static_cast<std::size_t>(worker);
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_CHECK(reader.read_chunk(chunk, batches[w]));
-    for (std::size_t i = 0; i < batches[w].size(); i += kRun)
-      if (is_sampled(i / kRun + chunk, every))
-        RAYFIELD_CHECK(parts[w].add(batches[w], i, std::min(i + kRun, batches[w].size())));
+    parts[w].add_pairs(batches[w]);
     return {};
   }));
   for (std::size_t w = 1; w < parts.size(); ++w) RAYFIELD_CHECK(parts[0].merge(parts[w]));
   return std::move(parts[0]).finish().pairs;
 }
 
-Result<ElementPairs> sample_scan(ScanWork& work, const StretchList& stretches, std::span<const WoodCylinder> wood) {
+Result<ElementPairs> pairs_of_scan(ScanWork& work, const StretchList& stretches, std::span<const WoodCylinder> wood) {
   ElementPairs pairs;
   work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   for (const tile::TileEntry& entry : work.scan.tiles) {
@@ -57,7 +43,7 @@ Result<ElementPairs> sample_scan(ScanWork& work, const StretchList& stretches, s
     RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(), scene.stretches,
                                                                      scene.wood, work.voxels));
     if (empty.empty()) continue;
-    RAYFIELD_ASSIGN(const ElementPairs here, sample_tile(work, entry, std::move(empty)));
+    RAYFIELD_ASSIGN(const ElementPairs here, pairs_of_tile(work, entry, std::move(empty)));
     pairs += here;
   }
   return pairs;
@@ -85,7 +71,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const StretchList stretches,
                     make_stretches(layout, ground, profile, with_voxel_size(work.options.stretches, fit.sample_m)));
-    RAYFIELD_ASSIGN(const ElementPairs pairs, sample_scan(work, stretches, wood));
+    RAYFIELD_ASSIGN(const ElementPairs pairs, pairs_of_scan(work, stretches, wood));
     tile::ArraySet arrays{.kind = "voxelsize", .attributes = "{}"};
     arrays.columns["voxel_m"] = std::vector<double>{fitted_size(estimate_element_size(pairs).area_m2, fit)};
     return arrays;

@@ -186,40 +186,77 @@ std::size_t VoxelAccumulator::memory_bytes() const {
   return bytes;
 }
 
-Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments, std::size_t first, std::size_t last) {
-  segments_ += last - first;
-  if (segments_ > std::numeric_limits<std::uint32_t>::max())
-    return fail(ErrorCode::resources, "cannot count rays",
-                "tile " + std::to_string(geometry_->tile.ix) + "_" + std::to_string(geometry_->tile.iy),
-                "more than 4294967295 segments in one tile", "use smaller tiles");
-  if (sums_.empty()) return {};
+template <class Meet>
+void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   std::vector<std::uint64_t> mask(static_cast<std::size_t>(geometry_->index.words()));
   bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
   Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
-  for (std::size_t i = first; i < last; ++i) {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
     const Eigen::Vector3d p = segments.entry[i];
     Eigen::Vector3d d = segments.exit[i] - p;
     const double length = d.norm();
     const std::uint8_t flags = segments.flags[i];
-    bool is_leaf = false, on_wood = false;
+    Counted counted;
     if (length > 0) {
       d /= length;
       const bool left_out = geometry_->left_out(p, d);
-      if (!left_out && geometry_->index.candidates(p, d, length, mask.data())) {
-        const Counted counted =
-            count({p, d, length, (flags & tile::kHit) != 0, (flags & tile::kStartsHere) != 0}, mask);
-        is_leaf = counted.hit, on_wood = counted.on_wood;
-      }
-      if (last_was_leaf && !left_out && !on_wood && d.dot(last_direction) > kNeighbourCosine) {
+      if (!left_out) counted = meet({p, d, length, (flags & tile::kHit) != 0, (flags & tile::kStartsHere) != 0}, mask);
+      if (last_was_leaf && !left_out && !counted.on_wood && d.dot(last_direction) > kNeighbourCosine) {
         const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
         const double along = to_hit.dot(d);
         pairs_.add((to_hit - along * d).norm(), length - along, (flags & tile::kHit) != 0);
       }
     }
-    last_was_leaf = is_leaf;
+    last_was_leaf = counted.hit;
     last_direction = d;
   }
+}
+
+Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
+  segments_ += segments.size();
+  if (segments_ > std::numeric_limits<std::uint32_t>::max())
+    return fail(ErrorCode::resources, "cannot count rays",
+                "tile " + std::to_string(geometry_->tile.ix) + "_" + std::to_string(geometry_->tile.iy),
+                "more than 4294967295 segments in one tile", "use smaller tiles");
+  if (sums_.empty()) return {};
+  for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
+    if (!geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
+    return count(ray, mask);
+  });
   return {};
+}
+
+void VoxelAccumulator::add_pairs(const tile::SegmentBatch& segments) {
+  if (sums_.empty()) return;
+  for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
+    if (!ray.hit || !geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
+    return locate_hit(ray, mask);
+  });
+}
+
+VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const {
+  const Geometry& g = *geometry_;
+  const Eigen::Vector3d end = ray.origin + ray.length * ray.direction;
+  Counted out;
+  for (std::size_t w = mask.size(); w-- > 0;)
+    for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0; bits &= bits - 1) {
+      const std::size_t item = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      if (item >= sums_.size()) {
+        Piece gap{};
+        out.on_wood = out.on_wood || (shell_interval(g.wood[item - sums_.size()], g.options.wood_shell_m, ray.origin,
+                                                     ray.direction, gap.from, gap.to) &&
+                                      gap.from <= ray.length && ray.length <= gap.to);
+        continue;
+      }
+      const Stretch& s = sums_[item].stretch;
+      const Eigen::Array3d at = g.frames[item].grid_from_map(end).array().floor();
+      if ((at < 0).any() || (at >= Eigen::Array3d(s.n_along, s.n_across, s.n_up)).any()) continue;
+      const auto column =
+          static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(s.n_across) + static_cast<std::size_t>(at.y());
+      out.hit = out.hit || sums_[item].column[column] >= 0;
+    }
+  out.hit = out.hit && !out.on_wood;
+  return out;
 }
 
 VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<std::uint64_t>& mask) {

@@ -49,6 +49,32 @@ TEST(ElementSize, LeavesOnShootsLookAtMostAThirdLarger) {
   EXPECT_LT(area, 0.0065 * 1.33);
 }
 
+TEST(ElementSize, BeamsAloneGiveThePairsOfAFullCount) {
+  HedgeOptions options;
+  options.post_every_m = 3;
+  const Hedge hedge(options);
+  const auto rays = hedge.scan({});
+  const auto posts = hedge.posts();
+  auto full = VoxelAccumulator::create({0, -1}, 1000, hedge.stretches(0.08, 0.72, 2.4), posts, {});
+  ASSERT_TRUE(full.has_value());
+  VoxelAccumulator beams = full->fork();
+  ASSERT_TRUE(full->add(rays).has_value());
+  beams.add_pairs(rays);
+  const TileVoxels counted = std::move(*full).finish(), alone = std::move(beams).finish();
+  std::uint64_t pairs = 0, difference = 0;
+  for (std::size_t i = 0; i < ElementPairs::kBins; ++i) {
+    pairs += counted.pairs.near[i];
+    for (const auto part : {&ElementPairs::near, &ElementPairs::front, &ElementPairs::same, &ElementPairs::behind}) {
+      const std::uint64_t a = (counted.pairs.*part)[i], b = (alone.pairs.*part)[i];
+      difference += a > b ? a - b : b - a;
+    }
+  }
+  EXPECT_GT(pairs, 5000u);
+  EXPECT_LE(difference, pairs / 10000) << "hits on the very face of a voxel may fall on either side";
+  for (const StretchVoxels& s : alone.stretches)
+    for (const VoxelCounters& v : s.voxels) ASSERT_EQ(v.rays, 0u);
+}
+
 TEST(ElementSize, TooFewPairsGiveTheDefaultAndSaySo) {
   const ElementSize size = estimate_element_size({});
   EXPECT_FALSE(size.measured);

@@ -23,14 +23,13 @@ namespace rayfield::density {
 
 /// Voxels fitted to the leaves (docs/density.md, "Voxel size"): leaves that reach out of a small voxel shade it, and
 /// uneven density inside a large one is underestimated. The side is `leaf_sides` times that of a square as
-/// large as the leaves that a sample of the scan shows, in whole millimetres.
+/// large as the leaves look, in whole millimetres.
 struct VoxelFitOptions {
   bool enabled = true;       ///< false: StretchOptions::voxel_m rules
   double leaf_sides = 0.85;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
   double min_m = 0.06;       ///< 0.03…0.3
   double max_m = 0.12;       ///< min_m…0.3; the paper's size
-  double sample_m = 0.08;    ///< side of the voxels in which the sample is counted, 0.03…0.3
-  int every_run = 2;         ///< of runs of rays one after the other, one in so many is sampled, 1…1000
+  double sample_m = 0.08;    ///< side of the voxels by which it is told before what is a leaf, 0.03…0.3
   Result<void> validate() const;
 };
 

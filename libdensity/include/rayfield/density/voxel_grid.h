@@ -85,9 +85,10 @@ class VoxelAccumulator {
   /// Another accumulator over the same voxels, all zero; shares the geometry.
   VoxelAccumulator fork() const;
   /// Errors: resources, after 2³²−1 segments.
-  Result<void> add(const tile::SegmentBatch& segments) { return add(segments, 0, segments.size()); }
-  /// The segments `first` … `last` − 1 only.
-  Result<void> add(const tile::SegmentBatch& segments, std::size_t first, std::size_t last);
+  Result<void> add(const tile::SegmentBatch& segments);
+  /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
+  /// fitted to it.
+  void add_pairs(const tile::SegmentBatch& segments);
   Result<void> merge(const VoxelAccumulator& other);
   TileVoxels finish() &&;
 
@@ -108,6 +109,11 @@ class VoxelAccumulator {
   };
   /// `mask`: what the ray can meet (VoxelIndex::candidates); cleared.
   Counted count(const Ray& ray, std::vector<std::uint64_t>& mask);
+  /// What count() returns, without counting.
+  Counted locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const;
+  /// Passes every ray to `meet(ray, mask)` that can meet something, and the neighbouring beams to pairs_.
+  template <class Meet>
+  void for_rays(const tile::SegmentBatch& segments, Meet meet);
   explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
   std::shared_ptr<const Geometry> geometry_;
   std::vector<StretchVoxels> sums_;
