@@ -15,9 +15,9 @@ namespace rayfield::density {
 /// Where the value of a voxel comes from.
 enum class VoxelState : std::uint8_t {
   unobserved = 0,  ///< fewer than two rays, and nothing comparable near: its density is unknown and counted as 0
-  observed = 1,    ///< its own rays
-  pooled = 2,      ///< at least two rays, but too little path: value of it and of voxels as badly seen near it
-  filled = 3       ///< fewer than two rays: value of badly seen voxels, or mean of others, at the same depth
+  observed = 1,    ///< at least two rays: its share of the slabs that it is part of
+  pooled = 2,      ///< at least two rays, but too little path in its slab: value of voxels as badly seen near it
+  filled = 3       ///< fewer than two rays: value of its slab, or of badly seen voxels, or mean of others, as deep
 };
 
 /// Leaf area density of one row at one date, on one dense grid: the row's stretches side by side. Voxel (along,
@@ -63,7 +63,7 @@ struct RowDensity {
 };
 
 /// Collects the voxels of one row from the tiles it runs through, in any order and one tile at a time, and estimates
-/// its density. Memory: 64 B per voxel while collecting (25 MB per 100 m of row at 8 cm).
+/// its density. Memory: 32 B per voxel while collecting (18 MB per 100 m of row at 7 cm).
 class RowDensityBuilder {
  public:
   /// `stretches`: of that row (others are ignored); all with one voxel size, on one lattice across and upwards
