@@ -111,7 +111,7 @@ class VoxelAccumulator {
   Counted count(const Ray& ray, std::vector<std::uint64_t>& mask);
   /// What count() returns, without counting.
   Counted locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const;
-  /// Passes every ray to `meet(ray, mask)` that can meet something, and the neighbouring beams to pairs_.
+  /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_.
   template <class Meet>
   void for_rays(const tile::SegmentBatch& segments, Meet meet);
   explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
