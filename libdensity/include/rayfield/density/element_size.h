@@ -50,8 +50,9 @@ struct ElementShadow {
   double inside = 0;    ///< by its parts inside, behind which nothing is seen
 };
 /// Square elements, isotropic normals, any place of the hit; the other rays come from where the ray came from that hit
-/// (a drive sees a voxel from few directions), so that the mean of c² and not c̄² counts, c the cosine to the normal: a third more
-/// than for rays of all directions. By quadrature with fixed random numbers; 0 in the limit of small elements.
+/// (a drive sees a voxel from few directions), so that the mean of c² and not c̄² counts, c the cosine to the normal: a
+/// third more than for rays of all directions. By quadrature with fixed random numbers; 0 in the limit of small
+/// elements.
 ElementShadow element_shadow(double area_m2, double voxel_m);
 
 }  // namespace rayfield::density
