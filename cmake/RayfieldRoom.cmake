@@ -1,7 +1,8 @@
-# rayfield_room(<name> SOURCES ... [USES <room>...] [PUBLIC <lib>...] [PRIVATE <lib>...])
+# rayfield_room(<name> SUBROOMS <folder>... SOURCES ... [USES <room>...] [PUBLIC <lib>...] [PRIVATE <lib>...])
 #
 # One static library per room, `rayfield_<name>`, exported as `rayfield::<name>`.
-# A room may only link the rooms that the table below allows; anything else stops the configure step.
+# A room may only link the rooms that the table below allows; anything else stops the configure step. SUBROOMS are the
+# room's folders from the ground up.
 set(RAYFIELD_MAY_USE_core "")
 set(RAYFIELD_MAY_USE_slam "core")
 set(RAYFIELD_MAY_USE_tile "core")
@@ -29,7 +30,7 @@ function(rayfield_compile_settings target)
 endfunction()
 
 function(rayfield_room name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;USES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SUBROOMS;SOURCES;USES;PUBLIC;PRIVATE" ${ARGN})
   foreach(used IN LISTS ARG_USES)
     if(NOT used IN_LIST RAYFIELD_MAY_USE_${name})
       message(FATAL_ERROR "room '${name}' may not use room '${used}' (cmake/RayfieldRoom.cmake)")
@@ -42,7 +43,7 @@ function(rayfield_room name)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+    PRIVATE ${PROJECT_SOURCE_DIR})
   foreach(used IN LISTS ARG_USES)
     target_link_libraries(${target} PUBLIC rayfield_${used})
   endforeach()
@@ -57,7 +58,7 @@ function(rayfield_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})  # private headers are tested too
   rayfield_compile_settings(${name})
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)

@@ -3,9 +3,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "libdensity/hedge_scene.h"
 #include "rayfield/density/row_density.h"
 #include "rayfield/density/voxel_grid.h"
+#include "tests/libdensity/hedge_scene.h"
 
 namespace {
 

@@ -5,9 +5,9 @@
 
 #include <map>
 
-#include "drive_input.h"
+#include "libslam/pipeline/drive_input.h"
 #include "rayfield/slam/slam.h"
-#include "synthetic_room.h"
+#include "tests/libslam/synthetic_room.h"
 
 namespace rayfield::slam {
 namespace {

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <random>
 
-#include "chunk_codec.h"
-#include "clip_batch.h"
+#include "libtile/partition/clip_batch.h"
+#include "libtile/tile_file/chunk_codec.h"
 #include "rayfield/core/ray_source.h"
 #include "rayfield/tile/tile.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "cli/drive_logs.h"
+#include "tests/cli/drive_logs.h"
 
 namespace rayfield::test {
 namespace {

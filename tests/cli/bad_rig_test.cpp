@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/drive_logs.h"
+#include "tests/cli/drive_logs.h"
 
 namespace rayfield::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "cli/program.h"
+#include "tests/cli/program.h"
 
 namespace rayfield::test {
 namespace {

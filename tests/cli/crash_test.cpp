@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "cli/program.h"
+#include "tests/cli/program.h"
 
 namespace rayfield::test {
 namespace {

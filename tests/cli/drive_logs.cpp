@@ -1,4 +1,4 @@
-#include "cli/drive_logs.h"
+#include "tests/cli/drive_logs.h"
 
 #include <gtest/gtest.h>
 

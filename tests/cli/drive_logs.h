@@ -3,9 +3,9 @@
 #include <functional>
 #include <string>
 
-#include "cli/program.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
+#include "tests/cli/program.h"
 
 namespace rayfield::test {
 

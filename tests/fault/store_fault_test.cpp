@@ -6,7 +6,7 @@
 #include <array>
 #include <csignal>
 
-#include "libtile/store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

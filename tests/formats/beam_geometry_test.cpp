@@ -1,4 +1,4 @@
-#include "beam_geometry.h"
+#include "formats/sensor_log/beam_geometry.h"
 
 #include <gtest/gtest.h>
 

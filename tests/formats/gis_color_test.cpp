@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "gis_support.h"
 #include "rayfield/formats/color.h"
+#include "tests/formats/gis_support.h"
 
 namespace rayfield::formats {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "gis_support.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/exchange.h"
+#include "tests/formats/gis_support.h"
 
 namespace rayfield::formats {
 namespace {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <set>
 
-#include "gis_support.h"
 #include "rayfield/formats/geopackage.h"
+#include "tests/formats/gis_support.h"
 
 namespace rayfield::formats {
 namespace {

@@ -8,9 +8,9 @@
 #include <memory>
 #include <random>
 
-#include "gis_support.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/formats/geotiff.h"
+#include "tests/formats/gis_support.h"
 
 namespace rayfield::formats {
 namespace {

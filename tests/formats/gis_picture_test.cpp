@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
-#include "gis_support.h"
 #include "rayfield/formats/picture.h"
+#include "tests/formats/gis_support.h"
 
 // Read by LeakSanitizer where it is built in: fontconfig keeps its font tables until the process ends.
 extern "C" const char* __lsan_default_suppressions();

@@ -10,11 +10,11 @@
 #include <functional>
 #include <random>
 
-#include "gis_support.h"
 #include "rayfield/formats/exchange.h"
 #include "rayfield/formats/geopackage.h"
 #include "rayfield/formats/geotiff.h"
 #include "rayfield/formats/picture.h"
+#include "tests/formats/gis_support.h"
 
 // What all writers promise of the file system: whole files or none, and the right code when the disk says no.
 

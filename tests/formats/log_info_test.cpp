@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/rig_file.h"
+#include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/ply_reader.h"
 #include "rayfield/formats/ply_writer.h"
+#include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
 namespace {

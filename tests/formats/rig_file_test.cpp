@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "formats/bag_bytes.h"
+#include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
 namespace {

@@ -2,13 +2,13 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/log_info.h"
 #include "rayfield/formats/ply_reader.h"
 #include "rayfield/formats/ply_writer.h"
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/formats/sensor_log_writer.h"
+#include "tests/formats/bag_bytes.h"
 
 /// Cut at every byte and with flipped bits: an error with a line, or a report that accounts for what is missing, and
 /// never anything in the output that the rules exclude. Run under the sanitizers this also watches every access.

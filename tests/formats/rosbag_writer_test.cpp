@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/rosbag_reader.h"
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/formats/sensor_log_writer.h"
+#include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/sensor_log.h"
+#include "tests/formats/bag_bytes.h"
 
 /// What the tests of the sensor log share.
 namespace rayfield::formats {

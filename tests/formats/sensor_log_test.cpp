@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "formats/sensor_log_support.h"
 #include "rayfield/formats/sensor_log_writer.h"
+#include "tests/formats/sensor_log_support.h"
 
 namespace rayfield::formats {
 namespace {

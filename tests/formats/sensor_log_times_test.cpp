@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "formats/sensor_log_support.h"
+#include "tests/formats/sensor_log_support.h"
 
 namespace rayfield::formats {
 namespace {

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
 #include "rayfield/formats/log_info.h"
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/formats/trajectory_file.h"
+#include "tests/formats/bag_bytes.h"
 
 /// Logs of real and simulated drives, with what is known of them from elsewhere (their README, their truth).
 namespace rayfield::formats {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "formats/bag_bytes.h"
+#include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
 namespace {

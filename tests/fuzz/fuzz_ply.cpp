@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "memory_file.h"
 #include "rayfield/formats/ply_reader.h"
+#include "tests/fuzz/memory_file.h"
 
 /// Whatever the bytes: an error, or rays that are finite and not more than announced.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "memory_file.h"
 #include "rayfield/formats/log_info.h"
 #include "rayfield/formats/sensor_log.h"
+#include "tests/fuzz/memory_file.h"
 
 namespace {
 

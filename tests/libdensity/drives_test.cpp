@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scene.h"
+#include "tests/libdensity/scene.h"
 
 namespace rayfield::density {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "hedge_scene.h"
 #include "rayfield/density/voxel_grid.h"
+#include "tests/libdensity/hedge_scene.h"
 
 namespace rayfield::density {
 namespace {

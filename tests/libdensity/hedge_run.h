@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "hedge_scene.h"
 #include "rayfield/density/integrate.h"
 #include "rayfield/density/row_density.h"
+#include "tests/libdensity/hedge_scene.h"
 
 /// A hedge through counting, estimating and integrating.
 namespace rayfield::density::testing {

@@ -1,4 +1,4 @@
-#include "hedge_scene.h"
+#include "tests/libdensity/hedge_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rayfield/density/plan_raster.h"
-#include "voxel_worlds.h"
+#include "tests/libdensity/voxel_worlds.h"
 
 namespace rayfield::density {
 namespace {

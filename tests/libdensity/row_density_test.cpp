@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hedge_run.h"
 #include "rayfield/density/process.h"
+#include "tests/libdensity/hedge_run.h"
 
 namespace rayfield::density {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "tests/libdensity/scene.h"
 
 #include <cmath>
 

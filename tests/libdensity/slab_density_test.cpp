@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rayfield/density/row_density.h"
-#include "voxel_worlds.h"
+#include "tests/libdensity/voxel_worlds.h"
 
 /// Voxels counted by hand, from the density that each has: what becomes of them in slabs.
 namespace rayfield::density {

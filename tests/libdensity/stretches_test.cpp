@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "rayfield/density/layout_arrays.h"
-#include "scene.h"
+#include "tests/libdensity/scene.h"
 
 namespace rayfield::density {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene.h"
+#include "tests/libdensity/scene.h"
 
 namespace rayfield::density {
 namespace {

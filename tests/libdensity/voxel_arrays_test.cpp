@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "voxel_worlds.h"
+#include "tests/libdensity/voxel_worlds.h"
 
 namespace rayfield::density {
 namespace {

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "voxel_worlds.h"
+#include "tests/libdensity/voxel_worlds.h"
 
 namespace rayfield::density {
 namespace {

@@ -10,7 +10,7 @@
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/formats/trajectory_file.h"
 #include "rayfield/slam/slam.h"
-#include "trajectory_errors.h"
+#include "tests/libslam/trajectory_errors.h"
 
 // The shared bags, from bag to trajectory, against truth. Bounds are the project's goals, not what was once measured.
 namespace rayfield::slam {

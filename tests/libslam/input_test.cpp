@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "rayfield/slam/slam.h"
-#include "synthetic_room.h"
+#include "tests/libslam/synthetic_room.h"
 
 // Logs that are broken in one way each: one clear line and the right code, or what can be recovered.
 namespace rayfield::slam {

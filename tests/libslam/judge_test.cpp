@@ -1,5 +1,5 @@
 // What tells a map that is torn from one that is right.
-#include "judge.h"
+#include "libslam/pipeline/judge.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "global_terms.h"
-#include "visits.h"
+#include "libslam/global/global_terms.h"
+#include "libslam/global/visits.h"
 
 namespace rayfield::slam {
 namespace {

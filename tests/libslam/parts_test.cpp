@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "correction_spline.h"
-#include "georeference.h"
-#include "gps_alignment.h"
-#include "imu_grid.h"
+#include "libslam/gps/georeference.h"
+#include "libslam/gps/gps_alignment.h"
+#include "libslam/input/imu_grid.h"
+#include "libslam/odometry/start.h"
+#include "libslam/trajectory/correction_spline.h"
 #include "rayfield/slam/slam.h"
-#include "start.h"
 
 namespace rayfield::slam {
 namespace {

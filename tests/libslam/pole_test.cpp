@@ -4,9 +4,9 @@
 #include <numbers>
 #include <random>
 
-#include "global_terms.h"
-#include "pole_visits.h"
-#include "surfel.h"
+#include "libslam/global/global_terms.h"
+#include "libslam/surfels/pole_visits.h"
+#include "libslam/surfels/surfel.h"
 
 namespace rayfield::slam {
 namespace {

@@ -1,4 +1,4 @@
-#include "read_ahead.h"
+#include "libslam/input/read_ahead.h"
 
 #include <gtest/gtest.h>
 

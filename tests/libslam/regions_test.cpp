@@ -1,5 +1,5 @@
 // Surfels on disk, by time and by place.
-#include "surfel_regions.h"
+#include "libslam/surfels/surfel_regions.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "surfel_match.h"
+#include "libslam/surfels/surfel_match.h"
 
 namespace rayfield::slam {
 namespace {

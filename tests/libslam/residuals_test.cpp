@@ -1,11 +1,11 @@
-#include "residuals.h"
+#include "libslam/solver/residuals.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "window.h"
+#include "libslam/odometry/window.h"
 
 // The hand-written Jacobians against numeric differentiation by Ceres, with the corrections applied to the trajectory
 // exactly as the solver does.

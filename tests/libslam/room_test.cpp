@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "rayfield/slam/slam.h"
-#include "synthetic_room.h"
+#include "tests/libslam/synthetic_room.h"
 
 namespace rayfield::slam {
 namespace {

@@ -3,7 +3,7 @@
 #include "rayfield/core/map_frame.h"
 #include "rayfield/sim/sim.h"
 #include "rayfield/slam/slam.h"
-#include "trajectory_errors.h"
+#include "tests/libslam/trajectory_errors.h"
 
 // Drives that go wrong in one way each, simulated; the goals hold by half as much again.
 namespace rayfield::slam {

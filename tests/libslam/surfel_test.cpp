@@ -1,4 +1,4 @@
-#include "surfel.h"
+#include "libslam/surfels/surfel.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "surfel_match.h"
+#include "libslam/surfels/surfel_match.h"
 
 namespace rayfield::slam {
 namespace {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <vector>
 
+#include "libslam/trajectory/so3.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
-#include "so3.h"
 
 /// An analytic world with exact sensors: a hall of 24 × 18 m with a level floor, four walls, two oblique partitions and
 /// round columns, and a vehicle that stands still and then drives round it. No noise and no biases unless set.

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "rayfield/slam/slam.h"
-#include "synthetic_room.h"
+#include "tests/libslam/synthetic_room.h"
 
 namespace rayfield::slam {
 namespace {

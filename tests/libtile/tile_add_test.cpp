@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

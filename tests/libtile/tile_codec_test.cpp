@@ -1,12 +1,12 @@
 #include <gmock/gmock.h>
 #include <hdf5.h>
 
-#include "chunk_codec.h"
-#include "column_codec.h"
-#include "h5_image.h"
+#include "libtile/hdf5/column_codec.h"
+#include "libtile/hdf5/h5_image.h"
+#include "libtile/tile_file/chunk_codec.h"
+#include "libtile/tile_file/tile_file.h"
 #include "rayfield/core/sha256.h"
-#include "store_support.h"
-#include "tile_file.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "rayfield/core/sha256.h"
-#include "store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

@@ -1,6 +1,6 @@
 #include <unistd.h>
 
-#include "store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

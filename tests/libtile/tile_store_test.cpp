@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
-#include "sealed_json.h"
-#include "snapshot_json.h"
-#include "store_support.h"
+#include "libtile/files/sealed_json.h"
+#include "libtile/store/snapshot_json.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

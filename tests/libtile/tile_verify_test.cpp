@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "rayfield/core/sha256.h"
-#include "store_support.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

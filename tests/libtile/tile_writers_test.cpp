@@ -4,8 +4,8 @@
 
 #include <thread>
 
-#include "snapshot_log.h"
-#include "store_support.h"
+#include "libtile/store/snapshot_log.h"
+#include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 namespace {

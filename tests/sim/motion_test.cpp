@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 namespace {

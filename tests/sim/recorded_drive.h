@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 

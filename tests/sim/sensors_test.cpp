@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
-#include "recorded_drive.h"
+#include "tests/sim/recorded_drive.h"
 
 namespace rayfield::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "rayfield/core/map_frame.h"
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 namespace {

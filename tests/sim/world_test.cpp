@@ -4,7 +4,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "sim_test_sites.h"
+#include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
 namespace {

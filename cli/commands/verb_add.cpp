@@ -1,0 +1,108 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "cli/commands/verbs.h"
+#include "cli/console/text.h"
+#include "cli/jobs/add_scan.h"
+#include "cli/jobs/drive_log.h"
+#include "rayfield/core/date.h"
+#include "rayfield/formats/formats.h"
+
+namespace rayfield::cli {
+namespace {
+
+struct AddArguments {
+  std::string store, date, name;
+  std::vector<std::string> files;
+  ScanInputs inputs;
+};
+
+// What --dry-run says: how much there is to read and about what the tiles will take.
+Result<Outcome> describe_add(const tile::Store& store, const ScanInputs& inputs, Progress& progress) {
+  constexpr std::uint64_t kBytesPerRay = 20;  // upper bound for vineyards, docs/store-format.md
+  std::uint64_t rays = 0;
+  for (const auto& path : inputs.files) {
+    if (is_log(path)) {
+      RAYFIELD_CHECK(require_rig(path, inputs));
+      RAYFIELD_ASSIGN(const OpenedLog log, open_log(path.string(), inputs.rig_file, store.config().crs, progress));
+      rays += log.report.points.points;
+      continue;
+    }
+    RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path.string()));
+    rays += reader->ray_count().value_or(0);
+  }
+  Outcome outcome;
+  outcome.data = {
+      {"store", store.folder().string()}, {"dry_run", true}, {"rays", rays}, {"disk_bytes", rays * kBytesPerRay}};
+  outcome.text = fmt::format("Would add up to {} rays; the tiles will take up to {}\n", grouped(rays),
+                             bytes_text(rays * kBytesPerRay));
+  return outcome;
+}
+
+Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
+  tile::AddOptions options;
+  RAYFIELD_ASSIGN(options.date, parse_date(arguments.date));
+  options.name = arguments.name;
+  options.overwrite = context.options.overwrite;
+  options.threads = context.options.threads;
+  options.memory_bytes = context.options.memory_bytes;
+  options.command = context.command_line;
+  RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
+  ScanInputs inputs = arguments.inputs;
+  inputs.files.assign(arguments.files.begin(), arguments.files.end());
+  if (context.options.dry_run) return describe_add(store, inputs, context.progress);
+  RAYFIELD_ASSIGN(const AddedScan added, add_scan(store, inputs, options, context.progress));
+  const tile::AddReport& report = added.report;
+
+  Outcome outcome;
+  outcome.data = {
+      {"store", arguments.store},
+      {"scan_id", report.scan_id},
+      {"already_there", report.already_there},
+      {"rays", report.ray_count},
+      {"hits", report.hit_count},
+      {"segments", report.segment_count},
+      {"tiles", report.tile_count},
+      {"bytes_written", report.bytes_written},
+      {"bytes_per_ray",
+       report.ray_count > 0 ? static_cast<double>(report.bytes_written) / static_cast<double>(report.ray_count) : 0.0},
+      {"dropped", report.dropped},
+      {"warnings", report.warnings}};
+  if (report.already_there) {
+    outcome.text = fmt::format("{}: already in the store, with the same content; nothing to do\n", report.scan_id);
+    return outcome;
+  }
+  outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
+                             report.tile_count, bytes_text(report.bytes_written));
+  for (const std::string& warning : report.warnings)
+    if (std::find(added.said.begin(), added.said.end(), warning) == added.said.end()) context.progress.warn(warning);
+  return outcome;
+}
+
+}  // namespace
+
+void add_add_verb(Commands& commands) {
+  const auto arguments = std::make_shared<AddArguments>();
+  CLI::App* command =
+      commands.add("add", "Tile a scan into the store", "rayfield add myblock scan.ply --date 2019-02-11",
+                   [arguments](Context& context) { return run_add(*arguments, context); });
+  command->add_option("STORE", arguments->store, "Folder of the store")->required();
+  command
+      ->add_option("LOG|CLOUD", arguments->files,
+                   "Ray clouds (raycloudtools PLY) or logs (ROS 1 bag) of one scan, in the order of their times")
+      ->required();
+  command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
+  command->add_option("--rig", arguments->inputs.rig_file, "Rig file, for logs (docs/rig.md)");
+  command->add_option("--name", arguments->name,
+                      "Label of the scan, e.g. veraison; needed for a second scan of one day");
+  command->add_flag(
+      "--restore-missing,!--no-restore-missing", arguments->inputs.restore_missing,
+      "Put back the downward rays without a return that clouds leave out, from the beams' timing (docs/density.md; "
+      "the default)");
+  command->add_flag("--allow-truncated", arguments->inputs.allow_truncated,
+                    "Take what is there of a cloud that was cut short");
+}
+
+}  // namespace rayfield::cli

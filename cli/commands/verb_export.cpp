@@ -1,0 +1,52 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "cli/commands/verbs.h"
+#include "cli/jobs/export_block.h"
+
+namespace rayfield::cli {
+namespace {
+
+struct ExportArguments {
+  std::string store, folder;
+  std::vector<std::string> formats = {"geotiff", "gpkg", "png"};
+  std::vector<std::string> dates;
+};
+
+Result<Outcome> run_export(const ExportArguments& arguments, const Context& context) {
+  RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(arguments.store));
+  Outcome outcome;
+  outcome.data = {{"store", arguments.store},
+                  {"folder", arguments.folder},
+                  {"dry_run", context.options.dry_run},
+                  {"files", nlohmann::ordered_json::array()}};
+  if (context.options.dry_run) {
+    outcome.text = fmt::format("Would export {} to {}\n", arguments.store, arguments.folder);
+    return outcome;
+  }
+  const ExportOptions options{{arguments.formats.begin(), arguments.formats.end()}, arguments.dates};
+  RAYFIELD_ASSIGN(const auto written, export_block(store, arguments.folder, options, context.progress));
+  for (const auto& path : written) {
+    outcome.data["files"].push_back(path.string());
+    outcome.text += path.string() + "\n";
+  }
+  return outcome;
+}
+
+}  // namespace
+
+void add_export_verb(Commands& commands) {
+  const auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = commands.add("export", "Write the products of a processed block",
+                                   "rayfield export myblock -o maps --date 2019-02-11",
+                                   [arguments](Context& context) { return run_export(*arguments, context); });
+  command->add_option("STORE", arguments->store, "Folder of the store")->required();
+  command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
+  command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
+  command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));
+}
+
+}  // namespace rayfield::cli

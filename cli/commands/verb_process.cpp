@@ -1,0 +1,116 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "cli/commands/verbs.h"
+#include "cli/console/text.h"
+#include "rayfield/density/density.h"
+
+namespace rayfield::cli {
+namespace {
+
+struct ProcessArguments {
+  std::string store;
+  density::ProcessOptions options;
+  double panel_length_m = 0;
+  std::optional<double> voxel_m;
+  std::string estimator = "unbiased", leaf_angles = "spherical";
+};
+
+Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, const Context& context) {
+  density::ProcessOptions options = arguments.options;
+  if (arguments.voxel_m) {
+    options.stretches = density::with_voxel_size(options.stretches, *arguments.voxel_m);
+    options.voxel_fit.enabled = false;
+  }
+  if (arguments.panel_length_m > 0) options.posts.panel_length_m = arguments.panel_length_m;
+  RAYFIELD_ASSIGN(options.estimator.estimator, density::parse_estimator(arguments.estimator));
+  RAYFIELD_ASSIGN(options.voxels.leaf_angles.type, density::parse_leaf_angle_type(arguments.leaf_angles));
+  options.threads = context.options.threads;
+  options.memory_bytes = context.options.memory_bytes;
+  options.redo = context.options.overwrite;
+  return options;
+}
+
+Result<Outcome> run_process(const ProcessArguments& arguments, const Context& context) {
+  RAYFIELD_ASSIGN(const density::ProcessOptions options, options_of(arguments, context));
+  RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
+  Outcome outcome;
+  if (context.options.dry_run) {
+    RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+    RAYFIELD_ASSIGN(const auto scans, density::select_scans(snapshot, options.dates));
+    outcome.data = {{"store", arguments.store}, {"dry_run", true}, {"scans", scans}};
+    outcome.text = fmt::format("Would process {} scan{}\n", scans.size(), scans.size() == 1 ? "" : "s");
+    return outcome;
+  }
+  RAYFIELD_ASSIGN(const density::ProcessReport report,
+                  density::process(store, options, context.command_line, context.progress));
+  outcome.data = {{"store", arguments.store},
+                  {"rows", report.rows},
+                  {"panels", report.panels},
+                  {"posts", report.posts},
+                  {"layout_is_new", report.layout_is_new},
+                  {"notes", report.notes},
+                  {"scans", nlohmann::ordered_json::array()}};
+  outcome.text = fmt::format("{} rows, {} panels, {} posts{}\n", report.rows, report.panels, report.posts,
+                             report.layout_is_new ? " (found now, kept from now on)" : "");
+  for (const density::ScanReport& scan : report.scans) {
+    outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
+                                     {"rays", scan.rays},
+                                     {"plant_area_m2", scan.plant_area_m2},
+                                     {"leaf_size_cm2", 1e4 * scan.element_area_m2},
+                                     {"voxel_m", scan.voxel_m},
+                                     {"files_made", scan.files_made},
+                                     {"files_kept", scan.files_kept},
+                                     {"notes", scan.notes}});
+    outcome.text += fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
+                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.element_area_m2, 100 * scan.voxel_m,
+                                scan.files_made == 0 ? " (unchanged)" : "");
+    for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
+  }
+  if (context.options.verbose > 0)
+    for (const std::string& note : report.notes) outcome.text += fmt::format("  note: {}\n", note);
+  return outcome;
+}
+
+}  // namespace
+
+void add_process_verb(Commands& commands) {
+  const auto arguments = std::make_shared<ProcessArguments>();
+  CLI::App* command =
+      commands.add("process", "Ground, rows, panels, voxels and density; only what changed", "rayfield process myblock",
+                   [arguments](Context& context) { return run_process(*arguments, context); });
+  density::ProcessOptions& options = arguments->options;
+  command->add_option("STORE", arguments->store, "Folder of the store")->required();
+  command->add_option("--date", options.dates, "Only these dates or scans (default: all)");
+  command->add_option("--voxel-size", arguments->voxel_m,
+                      "Side of a voxel, m (default: fitted to the leaves, 0.06 to 0.12)");
+  command->add_option("--estimator", arguments->estimator, "unbiased, or paper (the published method)")
+      ->capture_default_str();
+  command
+      ->add_option("--leaf-area", options.estimator.leaf_area_m2,
+                   "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan")
+      ->capture_default_str();
+  command
+      ->add_option("--leaf-angles", arguments->leaf_angles,
+                   "Leaf angle distribution: spherical, uniform, planophile, erectophile, plagiophile, extremophile, "
+                   "ellipsoidal")
+      ->capture_default_str();
+  command
+      ->add_option("--ellipsoid-ratio", options.voxels.leaf_angles.ellipsoid_ratio,
+                   "Of ellipsoidal leaf angles: horizontal over vertical semi-axis")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--sure-return", options.voxels.sure_return_m,
+          "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack those "
+          "that came back from nowhere; 0: count all, as is done where a scan holds them")
+      ->capture_default_str();
+  command
+      ->add_option("--panel-length", arguments->panel_length_m,
+                   "Length of a panel, m (default: between the posts found)")
+      ->check(CLI::Range(0.5, 200.0));
+  command->add_option("--raster-cell", options.plan.cell_m, "Cell of the maps, m")->capture_default_str();
+}
+
+}  // namespace rayfield::cli

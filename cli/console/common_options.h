@@ -1,0 +1,63 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/console/progress_reporter.h"
+#include "rayfield/core/result.h"
+
+namespace rayfield::cli {
+
+/// What every command takes.
+struct CommonOptions {
+  bool json = false;
+  ProgressStyle progress = ProgressStyle::automatic;
+  int threads = 0;                                      ///< 0 = all processors
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bound on resident memory
+  bool dry_run = false;
+  bool overwrite = false;
+  int verbose = 0;
+  bool quiet = false;
+};
+
+/// What a command has to say: `data` is the JSON document of --json, `text` what a person reads.
+struct Outcome {
+  nlohmann::ordered_json data;
+  std::string text;
+};
+
+/// A command under way: its options, its progress.
+struct Context {
+  const CommonOptions& options;
+  Progress& progress;
+  std::string command_line;  ///< for the store's log
+};
+
+/// Declares a command: its own options are added by the caller to the returned app, `run` does the work.
+class Commands {
+ public:
+  explicit Commands(CLI::App& app) : app_(app) {}
+  CLI::App* add(const std::string& name, const std::string& description, const std::string& example,
+                std::function<Result<Outcome>(Context&)> run);
+  /// The parsed command's work; call after CLI::App::parse().
+  Result<Outcome> run_parsed(const std::string& command_line);
+  const CommonOptions& options() const { return options_; }
+
+ private:
+  struct Command {
+    CLI::App* app;
+    std::function<Result<Outcome>(Context&)> run;
+  };
+  CLI::App& app_;
+  CommonOptions options_;
+  std::vector<Command> commands_;
+};
+
+/// "4G", "512M", "1.5GiB", "1000000" → bytes (binary multiples). Errors: usage.
+Result<std::uint64_t> parse_memory(const std::string& text);
+
+}  // namespace rayfield::cli

@@ -1,0 +1,68 @@
+#include "cli/console/output_paths.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+
+namespace rayfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Permissions, read-only mounts and full inode tables all show when a file is made.
+Result<void> check_folder(const OutputPath& output) {
+  const fs::path parent = fs::path(output.path).parent_path();
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    return fail(ErrorCode::usage, output.what, output.path, fmt::format("there is no folder {}", folder.string()),
+                "make it, or give another " + output.option);
+  std::string probe = (folder / ".rayfield-probe-XXXXXX").string();
+  const int file = ::mkstemp(probe.data());
+  const int error = errno;
+  if (file < 0 && (error == ENOENT || error == ENOTDIR))  // a file system that takes no files, like /proc
+    return fail(ErrorCode::resources, output.what, output.path,
+                fmt::format("no file can be made in {}", folder.string()), "give another " + output.option);
+  if (file < 0)
+    return fail_errno(
+        error, output.what, output.path,
+        fmt::format("check that {} can be written to, or give another {}", folder.string(), output.option));
+  ::close(file);
+  ::unlink(probe.c_str());
+  return {};
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code failed;
+  if (fs::equivalent(a, b, failed) && !failed) return true;
+  return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+}
+
+}  // namespace
+
+Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const OutputPath& output = outputs[i];
+    const auto refuse = [&](std::string_view why, std::string_view next) {
+      return fail(ErrorCode::usage, output.what, output.path, why, next);
+    };
+    const std::string another = "give another " + output.option;
+    std::error_code ignored;
+    if (fs::path(output.path).filename().empty()) return refuse("the path does not name a file", another);
+    if (fs::is_directory(output.path, ignored)) return refuse("it is a folder", another);
+    for (const std::string& input : inputs)
+      if (!input.empty() && same_file(output.path, input)) return refuse("it is an input of this command", another);
+    for (std::size_t k = 0; k < i; ++k)
+      if (same_file(output.path, outputs[k].path))
+        return refuse(fmt::format("{} names the same file", outputs[k].option), another);
+    if (fs::exists(fs::symlink_status(output.path, ignored)) && !overwrite)
+      return refuse("it is there already", another + ", or --overwrite");
+    RAYFIELD_CHECK(check_folder(output));
+  }
+  return {};
+}
+
+}  // namespace rayfield::cli

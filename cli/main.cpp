@@ -1,0 +1,99 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "cli/commands/verbs.h"
+#include "cli/console/common_options.h"
+#include "cli/console/config_file.h"
+#include "cli/console/text.h"
+#include "version.h"
+
+namespace {
+
+using rayfield::Error;
+using rayfield::ErrorCode;
+
+int report(const Error& error, bool json) {
+  fmt::print(stderr, "rayfield: {}\n", error.line());
+  if (json) {
+    const nlohmann::ordered_json document = {{"error",
+                                              {{"code", static_cast<int>(error.code)},
+                                               {"what", error.what},
+                                               {"where", error.where},
+                                               {"why", error.why},
+                                               {"next", error.next}}}};
+    fmt::print("{}\n", document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+  return static_cast<int>(error.code);
+}
+
+// What CLI11 found wrong, in the words of our errors.
+Error usage_error(const CLI::App& app, const std::vector<std::string>& arguments, const CLI::ParseError& problem) {
+  const CLI::App* command = nullptr;
+  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (!arguments.empty() && candidate->get_name() == arguments.front()) command = candidate;
+  if (command == nullptr && !arguments.empty())
+    return {ErrorCode::usage, "wrong usage", arguments.front(), "no such command", "see `rayfield --help`"};
+  if (command == nullptr) return {ErrorCode::usage, "wrong usage", "", "no command given", "see `rayfield --help`"};
+  return {ErrorCode::usage, "wrong usage", "rayfield " + command->get_name(), problem.what(),
+          fmt::format("see `rayfield {} --help`", command->get_name())};
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"rayfield: lidar drives through vineyards and orchards to canopy density maps", "rayfield"};
+  app.set_version_flag("--version", std::string("rayfield ") + rayfield::cli::kVersion);
+  app.require_subcommand(1);
+  rayfield::cli::Commands commands(app);
+  rayfield::cli::add_all_verbs(commands);
+
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  // Before the options are known to be right, the word itself must do.
+  const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+  std::string command_line = "rayfield";
+  for (const std::string& argument : arguments) command_line += " " + argument;
+  auto expanded = rayfield::cli::expand_config(app, arguments);
+  if (!expanded) return report(expanded.error(), json);
+
+  try {
+    std::vector<std::string> reversed(expanded->rbegin(), expanded->rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
+    return report(usage_error(app, arguments, e), json);
+  }
+
+  const auto outcome = commands.run_parsed(command_line);
+  if (!outcome) return report(outcome.error(), commands.options().json);
+  if (commands.options().json) {
+    fmt::print("{}\n", outcome->data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else if (!commands.options().quiet) {
+    fmt::print("{}", rayfield::cli::printable(outcome->text));
+  }
+  if (std::fflush(stdout) != 0)
+    return report({ErrorCode::resources, "cannot write the result", "stdout", "the output was not taken", ""}, false);
+  // `verify` ends with 4 when it found damage although it did its work.
+  return outcome->data.value("exit_code", 0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  rayfield::cli::install_interrupt_handlers();
+  // A file that outgrows its limit is then an error of write() like a full disk, and not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return report({ErrorCode::resources, "out of memory", "", "an allocation failed",
+                   "give a smaller --memory or fewer --threads"},
+                  false);
+  } catch (const std::exception& e) {
+    return report({ErrorCode::internal, "internal error", "", e.what(), "please report this with the command line"},
+                  false);
+  }
+}

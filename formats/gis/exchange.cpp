@@ -1,0 +1,163 @@
+#include "rayfield/formats/exchange.h"
+
+#include <fmt/format.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "formats/gis/gdal_session.h"
+#include "formats/io/guard.h"
+#include "formats/io/staged_output.h"
+#include "formats/io/text_escape.h"
+
+namespace rayfield::formats {
+namespace {
+
+constexpr std::string_view geojson_error = "cannot write GeoJSON", csv_error = "cannot write CSV";
+
+/// The measured columns of a panel on a date, in the order of `panel_by_date`; ray_count follows as an integer.
+std::array<std::pair<const char*, double>, 11> measured(const PanelValue& v) {
+  return {{{"plant_area_m2", v.plant_area_m2},
+           {"leaf_area_m2", v.leaf_area_m2},
+           {"leaf_area_per_m", v.leaf_area_per_m},
+           {"lai", v.lai},
+           {"se_leaf_area_m2", v.se_leaf_area_m2},
+           {"ci_low_m2", v.ci_low_m2},
+           {"ci_high_m2", v.ci_high_m2},
+           {"canopy_height_m", v.canopy_height_m},
+           {"canopy_width_m", v.canopy_width_m},
+           {"gap_fraction", v.gap_fraction},
+           {"observed_fraction", v.observed_fraction}}};
+}
+
+/// The shortest text that reads back as the same double.
+std::string number(double value, std::string_view undefined) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string(undefined);
+}
+
+double signed_area(const std::vector<Eigen::Vector2d>& ring) {
+  double twice = 0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d a = ring[i] - ring[0], b = ring[(i + 1) % ring.size()] - ring[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return twice / 2;
+}
+
+struct TransformCloser {
+  void operator()(OGRCoordinateTransformation* transform) const { OGRCoordinateTransformation::DestroyCT(transform); }
+};
+using TransformPtr = std::unique_ptr<OGRCoordinateTransformation, TransformCloser>;
+
+/// The GeoJSON geometry of an outline: closed, counter-clockwise, longitude first.
+Result<std::string> polygon(const PanelProduct& panel, OGRCoordinateTransformation& to_wgs84, const std::string& path) {
+  std::vector<Eigen::Vector2d> ring = panel.outline;
+  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+  if (ring.size() < 3) return std::string("null");
+  if (signed_area(ring) < 0) std::reverse(ring.begin(), ring.end());
+  ring.push_back(ring.front());
+  std::string text;
+  for (const Eigen::Vector2d& p : ring) {
+    double x = p.x(), y = p.y();
+    if (!p.allFinite() || !to_wgs84.Transform(1, &x, &y) || !std::isfinite(x) || !std::isfinite(y)) {
+      return fail(
+          ErrorCode::internal, geojson_error, path,
+          fmt::format("panel {}/{} has a corner without longitude and latitude", panel.row_number, panel.panel_number));
+    }
+    text += fmt::format("{}[{:.9f},{:.9f}]", text.empty() ? "" : ",", x, y);
+  }
+  return fmt::format("{{\"type\":\"Polygon\",\"coordinates\":[[{}]]}}", text);
+}
+
+std::string properties(const PanelProduct& panel, const PanelValue* value) {
+  std::string text =
+      fmt::format("\"panel_uid\":{},\"row_number\":{},\"panel_number\":{},\"length_m\":{}",
+                  json_string(panel.panel_uid), panel.row_number, panel.panel_number, number(panel.length_m, "null"));
+  if (value == nullptr) return text;
+  text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
+  for (const auto& [name, measure] : measured(*value)) text += fmt::format(",\"{}\":{}", name, number(measure, "null"));
+  return text + fmt::format(",\"ray_count\":{}", value->ray_count);
+}
+
+Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
+  if (scan_index >= block.scans.size()) {
+    return fail(ErrorCode::usage, geojson_error, path,
+                fmt::format("scan {} of {} was asked for", scan_index + 1, block.scans.size()));
+  }
+  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, geojson_error, path));
+  RAYFIELD_ASSIGN(OGRSpatialReference wgs84, parse_crs("EPSG:4326", geojson_error, path));
+  const TransformPtr to_wgs84(OGRCreateCoordinateTransformation(&crs, &wgs84));
+  if (to_wgs84 == nullptr) {
+    return fail(ErrorCode::usage, geojson_error, path, "no way from " + block.crs + " to longitude and latitude");
+  }
+  std::map<std::string, const PanelValue*> values;
+  for (const PanelValue& value : block.scans[scan_index].panel_values) values[value.panel_uid] = &value;
+  std::string features;
+  for (const PanelProduct& panel : block.panels) {
+    RAYFIELD_ASSIGN(const std::string geometry, polygon(panel, *to_wgs84, path));
+    const auto found = values.find(panel.panel_uid);
+    features += fmt::format("{}\n{{\"type\":\"Feature\",\"id\":{},\"geometry\":{},\"properties\":{{{}}}}}",
+                            features.empty() ? "" : ",", json_string(panel.panel_uid), geometry,
+                            properties(panel, found == values.end() ? nullptr : found->second));
+  }
+  return "{\"type\":\"FeatureCollection\",\"features\":[" + features + "\n]}\n";
+}
+
+std::string panels_csv(const BlockProducts& block) {
+  std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
+  for (const auto& [name, unused] : measured({})) text += fmt::format(",{}", name);
+  text += ",ray_count\n";
+  std::map<std::string, const PanelProduct*> panels;
+  for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
+  for (const ScanResults& scan : block.scans) {
+    for (const PanelValue& value : scan.panel_values) {
+      const auto found = panels.find(value.panel_uid);
+      if (found == panels.end()) continue;  // as in the view, which joins the two tables
+      const PanelProduct& panel = *found->second;
+      text += fmt::format("{},{},{},{},{},{}", csv_escape(value.panel_uid), panel.row_number, panel.panel_number,
+                          number(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
+      for (const auto& [name, measure] : measured(value)) text.append(",").append(number(measure, ""));
+      text += fmt::format(",{}\n", value.ray_count);
+    }
+  }
+  return text;
+}
+
+std::string row_metres_csv(const BlockProducts& block) {
+  std::string text = "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m\n";
+  for (const ScanResults& scan : block.scans) {
+    for (const RowMetreProduct& metre : scan.row_metres) {
+      text += fmt::format("{},{},{},{},{},{},{},{}\n", metre.row_number, number(metre.chainage_m, ""),
+                          number(metre.position.x(), ""), number(metre.position.y(), ""), csv_escape(metre.scan_id),
+                          csv_escape(metre.scan_date), number(metre.leaf_area_per_m, ""),
+                          number(metre.plant_area_per_m, ""));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
+  return guarded(geojson_error, path, [&]() -> Result<void> {
+    const GdalSession gdal;
+    RAYFIELD_ASSIGN(const std::string text, geojson(block, scan_index, path));
+    return write_file_atomically(path, text, geojson_error);
+  });
+}
+
+Result<void> write_panels_csv(const BlockProducts& block, const std::string& path) {
+  return guarded(csv_error, path, [&] { return write_file_atomically(path, panels_csv(block), csv_error); });
+}
+
+Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path) {
+  return guarded(csv_error, path, [&] { return write_file_atomically(path, row_metres_csv(block), csv_error); });
+}
+
+}  // namespace rayfield::formats

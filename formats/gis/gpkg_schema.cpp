@@ -1,0 +1,129 @@
+#include "formats/gis/gpkg_schema.h"
+
+#include <algorithm>
+
+namespace rayfield::formats::gpkg {
+namespace {
+
+const Column panel_uid{"panel_uid", OFTString, "UUID of the panel, the same on all dates"};
+const Column row_number{"row_number", OFTInteger, "number of the row in the block, from 1"};
+const Column panel_number{"panel_number", OFTInteger, "number of the panel along its row, from 1"};
+const Column panel_length{"length_m", OFTReal, "length of the panel along the row, m"};
+const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table scan"};
+const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
+
+std::vector<Column> value_columns() {
+  return {
+      {"plant_area_m2", OFTReal, "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²"},
+      {"leaf_area_m2", OFTReal, "one-sided leaf area: plant area less structure, m²"},
+      {"leaf_area_per_m", OFTReal, "one-sided leaf area per metre of row, m²/m"},
+      {"lai", OFTReal, "leaf area index: leaf area / (panel length × row spacing), m²/m²"},
+      {"se_leaf_area_m2", OFTReal, "standard error of leaf_area_m2, m²"},
+      {"ci_low_m2", OFTReal, "lower end of the 95 % interval of leaf_area_m2, m²"},
+      {"ci_high_m2", OFTReal, "upper end of the 95 % interval of leaf_area_m2, m²"},
+      {"canopy_height_m", OFTReal, "height of the canopy above the ground, m"},
+      {"canopy_width_m", OFTReal, "width of the canopy across the row, m"},
+      {"gap_fraction", OFTReal, "share of the panel's side view that lets light through, 0 … 1"},
+      {"observed_fraction", OFTReal, "share of voxels crossed by at least two rays, 0 … 1"},
+      {"ray_count", OFTInteger64, "rays through the panel"},
+  };
+}
+
+}  // namespace
+
+Table vine_row_table() {
+  return {"vine_row",
+          "Centrelines of the rows of vines",
+          wkbLineString,
+          {{"row_uid", OFTString, "UUID of the row, the same on all dates"},
+           row_number,
+           {"length_m", OFTReal, "length of the row, m"},
+           {"spacing_m", OFTReal, "mean distance to the neighbouring rows, m; NULL for a single row"}}};
+}
+
+Table panel_table() {
+  return {"panel",
+          "Panels: spans of a row between two posts",
+          wkbPolygon,
+          {panel_uid,
+           row_number,
+           panel_number,
+           panel_length,
+           {"chainage_start_m", OFTReal, "start of the panel along the row's centreline, m"},
+           {"chainage_end_m", OFTReal, "end of the panel along the row's centreline, m"}}};
+}
+
+Table post_table() {
+  return {"post",
+          "Trellis posts",
+          wkbPoint,
+          {{"post_uid", OFTString, "UUID of the post, the same on all dates"},
+           row_number,
+           {"chainage_m", OFTReal, "position along the row's centreline, m"},
+           {"ground_m", OFTReal, "height of the ground at the post, m"},
+           {"height_m", OFTReal, "height of the post above the ground, m"},
+           {"detected", OFTInteger, "1: seen in a scan, 0: placed where the regular spacing wants one"}}};
+}
+
+Table scan_table() {
+  return {"scan",
+          "Scans (dates) of the block",
+          wkbNone,
+          {{"scan_id", OFTString, "identifier of the scan"},
+           scan_date,
+           {"name", OFTString, "name given by the user"},
+           {"start_utc", OFTDateTime, "time of the first ray, UTC"},
+           {"end_utc", OFTDateTime, "time of the last ray, UTC"},
+           {"ray_count", OFTInteger64, "rays in the scan"}}};
+}
+
+Table panel_value_table() {
+  Table table{"panel_value", "Canopy of each panel on each date", wkbNone, {panel_uid, scan_id, scan_date}};
+  for (Column& column : value_columns()) table.columns.push_back(std::move(column));
+  return table;
+}
+
+Table row_metre_table() {
+  return {"row_metre",
+          "Canopy of each half metre of row on each date",
+          wkbPoint,
+          {row_number,
+           {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
+           scan_id,
+           scan_date,
+           {"leaf_area_per_m", OFTReal, "one-sided leaf area per metre of row, m²/m"},
+           {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
+}
+
+Table panel_wide_table(const BlockProducts& block) {
+  Table table{"panel_wide",
+              "Leaf area per metre of row of each panel, one column per date",
+              wkbPolygon,
+              {panel_uid, row_number, panel_number, panel_length}};
+  for (std::size_t i = 0; i < block.scans.size(); ++i) {
+    table.columns.push_back({wide_column(block, i), OFTReal,
+                             "one-sided leaf area per metre of row on " + block.scans[i].scan.scan_date + ", m²/m"});
+  }
+  return table;
+}
+
+Table panel_by_date_view() {
+  Table view{"panel_by_date",
+             "Panels with their canopy on each date",
+             wkbPolygon,
+             {panel_uid, row_number, panel_number, panel_length, scan_id, scan_date}};
+  for (Column& column : value_columns()) view.columns.push_back(std::move(column));
+  return view;
+}
+
+std::string wide_column(const BlockProducts& block, std::size_t index) {
+  std::string name = "leaf_area_per_m_" + block.scans[index].scan.scan_date;
+  std::replace(name.begin(), name.end(), '-', '_');
+  std::size_t earlier = 0;
+  for (std::size_t i = 0; i < index; ++i) {
+    if (block.scans[i].scan.scan_date == block.scans[index].scan.scan_date) ++earlier;
+  }
+  return earlier == 0 ? name : name + "_" + std::to_string(earlier + 1);
+}
+
+}  // namespace rayfield::formats::gpkg

@@ -1,0 +1,95 @@
+#include "libdensity/estimate/slab_density.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace rayfield::density {
+namespace {
+
+constexpr double kUnit = VoxelCounters::kUnit;
+
+/// Calls visit(voxel) for the voxels of the slab around (along, across, up) that lie in the grid.
+template <class Visit>
+void for_slab(const RowDensity& r, int along, int across, int up, Visit visit) {
+  for (int a = std::max(0, along - 1); a <= std::min(r.n_along - 1, along + 1); ++a)
+    for (int u = std::max(0, up - 1); u <= std::min(r.n_up - 1, up + 1); ++u) visit(r.index(a, across, u));
+}
+
+template <class Visit>
+void for_voxels(const RowDensity& r, Visit visit) {
+  for (int a = 0; a < r.n_along; ++a)
+    for (int c = 0; c < r.n_across; ++c)
+      for (int u = 0; u < r.n_up; ++u) visit(a, c, u, r.index(a, c, u));
+}
+
+double potential_of(const VoxelCounters& v) { return kUnit * static_cast<double>(v.potential); }
+
+/// w = 1/(P + P̄); 0 where the slab has no rays.
+std::vector<double> weights_of(const RowDensity& r, std::span<const VoxelCounters> counters) {
+  std::vector<double> out(counters.size(), 0);
+  for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
+    double sum = 0, count = 0;
+    for_slab(r, a, c, u, [&](std::size_t i) { sum += potential_of(counters[i]), count += 1; });
+    if (sum > 0) out[voxel] = 1 / (potential_of(counters[voxel]) + sum / count);
+  });
+  return out;
+}
+
+/// Sums over one slab, weighted.
+struct Slab {
+  double potential = 0;  ///< ΣP, not weighted
+  double hits = 0, path = 0, hit_path = 0;
+  double hits_squared = 0;  ///< Σ w²·m: variance of Σ w·m
+};
+
+Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const std::vector<double>& weight,
+             const ElementShadow& shadow, int along, int across, int up) {
+  Slab out;
+  double lit = 0, count = 0;  // Σ w·P, N
+  for_slab(r, along, across, up, [&](std::size_t i) {
+    const VoxelCounters& v = counters[i];
+    const double w = weight[i], potential = potential_of(v);
+    out.potential += potential;
+    out.path += w * kUnit * static_cast<double>(v.path) * (1 + shadow.in_front * w * potential);
+    lit += w * potential, count += 1;
+    out.hits += w * v.hits, out.hits_squared += w * w * v.hits;
+    out.hit_path += w * w * kUnit * static_cast<double>(v.hit_path);
+  });
+  out.path += shadow.inside * lit / count;
+  return out;
+}
+
+}  // namespace
+
+void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
+  const ElementShadow shadow = element_shadow(r.leaf_area_m2, r.voxel_m);
+  const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
+  const double whole_leaves = 0.5 * r.leaf_area_m2 / (r.voxel_m * r.voxel_m);
+  const std::vector<double> weight = weights_of(r, counters);
+  std::vector<double> inverse(counters.size(), 0);  // 1/D of the slabs that are shared out
+  for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
+    const Slab slab = slab_at(r, counters, weight, shadow, a, c, u);
+    const bool seen = counters[voxel].rays >= 2, enough = slab.potential >= kMinPotential && slab.path > 0;
+    r.state[voxel] = seen ? (enough ? VoxelState::observed : VoxelState::pooled)
+                          : (enough ? VoxelState::filled : VoxelState::unobserved);
+    if (!enough) return;
+    if (seen) {
+      inverse[voxel] = 1 / slab.path;
+    } else {
+      r.density[voxel] = static_cast<float>(to_density * unbiased_rate(slab.hits, slab.path, slab.hit_path));
+      r.variance[voxel] = static_cast<float>(to_variance * slab.hits_squared / (slab.path * slab.path));
+    }
+  });
+  for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
+    const VoxelCounters& v = counters[voxel];
+    if (v.hits == 0) return;
+    double sum = 0, squares = 0;
+    for_slab(r, a, c, u, [&](std::size_t i) { sum += inverse[i], squares += inverse[i] * inverse[i]; });
+    const double w = weight[voxel], hit_path = kUnit * static_cast<double>(v.hit_path);
+    const double rate = w * v.hits * sum - w * w * hit_path * squares;
+    r.density[voxel] += static_cast<float>(to_density * rate);
+    r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits * sum * sum + rate * whole_leaves));
+  });
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libdensity/layout/polyline.h"
+#include "libdensity/layout/row_locator.h"
+#include "libdensity/layout/stem_grid.h"
+#include "rayfield/density/posts.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr double kMargin = 0.25;  // m; the reach of tile files beyond the tile
+constexpr double kBeyond = 0.8;   // m; posts stand a little outside of the traced canopy
+
+}  // namespace
+
+struct StemAccumulator::Impl {
+  tile::TileIndex index;
+  double tile_size_m;
+  const RowLayout* layout;
+  const GroundModel* ground;
+  PostOptions options;
+  RowLocator locator;
+  std::vector<StemGrid> grids;
+  std::vector<int> grid_of_row;
+};
+
+StemAccumulator::StemAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
+                                 const GroundModel& ground, const PostOptions& options)
+    : impl_(new Impl{index,
+                     tile_size_m,
+                     &layout,
+                     &ground,
+                     options,
+                     RowLocator(layout, index, tile_size_m, kMargin, options.half_width_m),
+                     {},
+                     {}}) {
+  impl_->grid_of_row.assign(layout.rows.size(), -1);
+  for (const auto& reach : impl_->locator.reaches()) {
+    StemGrid grid;
+    grid.row = reach.row;
+    grid.cell_m = options.cell_m, grid.slab_m = options.slab_m, grid.half_width_m = options.half_width_m;
+    grid.first_along = static_cast<int>(std::floor((reach.start_m - kBeyond) / options.cell_m));
+    grid.n_along = static_cast<int>(std::ceil((reach.end_m + kBeyond) / options.cell_m)) - grid.first_along;
+    grid.n_across = static_cast<int>(std::lround(2 * options.half_width_m / options.cell_m));
+    grid.n_slabs = static_cast<int>(std::lround(options.top_m / options.slab_m));
+    grid.counts.assign(static_cast<std::size_t>(grid.n_along) * static_cast<std::size_t>(grid.n_across) *
+                           static_cast<std::size_t>(grid.n_slabs),
+                       0);
+    impl_->grid_of_row[static_cast<std::size_t>(reach.row)] = static_cast<int>(impl_->grids.size());
+    impl_->grids.push_back(std::move(grid));
+  }
+}
+
+StemAccumulator::~StemAccumulator() = default;
+StemAccumulator::StemAccumulator(const StemAccumulator& other) : impl_(new Impl(*other.impl_)) {}
+StemAccumulator::StemAccumulator(StemAccumulator&&) noexcept = default;
+StemAccumulator& StemAccumulator::operator=(StemAccumulator&&) noexcept = default;
+
+void StemAccumulator::add(const tile::SegmentBatch& segments) {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (!(segments.flags[i] & tile::kHit)) continue;
+    const Eigen::Vector3d& p = segments.exit[i];
+    const auto place = impl_->locator.locate(p.head<2>(), kBeyond);
+    if (!place) continue;
+    const auto ground = impl_->ground->height(p.x(), p.y());
+    if (!ground) continue;
+    StemGrid& grid = impl_->grids[static_cast<std::size_t>(impl_->grid_of_row[static_cast<std::size_t>(place->row)])];
+    const int slab = static_cast<int>(std::floor((p.z() - *ground) / grid.slab_m));
+    const int a = static_cast<int>(std::floor(place->chainage_m / grid.cell_m)) - grid.first_along;
+    const int c = static_cast<int>(std::floor((place->across_m + grid.half_width_m) / grid.cell_m));
+    if (slab < 0 || slab >= grid.n_slabs || a < 0 || a >= grid.n_along || c < 0 || c >= grid.n_across) continue;
+    std::uint8_t& cell = grid.counts[(static_cast<std::size_t>(a) * static_cast<std::size_t>(grid.n_across) +
+                                      static_cast<std::size_t>(c)) *
+                                         static_cast<std::size_t>(grid.n_slabs) +
+                                     static_cast<std::size_t>(slab)];
+    if (cell < 255) ++cell;
+  }
+}
+
+void StemAccumulator::merge(const StemAccumulator& other) {
+  for (std::size_t g = 0; g < impl_->grids.size(); ++g) {
+    auto& mine = impl_->grids[g].counts;
+    const auto& theirs = other.impl_->grids[g].counts;
+    for (std::size_t i = 0; i < mine.size(); ++i)
+      mine[i] = static_cast<std::uint8_t>(std::min(255, mine[i] + theirs[i]));
+  }
+}
+
+std::vector<Stem> StemAccumulator::finish() const {
+  // Both neighbours see a stem on their border; a hair's breadth more than the tile makes sure that one keeps it.
+  constexpr double kHair = 0.02;
+  const Eigen::Vector2d low = Eigen::Vector2d(impl_->index.ix, impl_->index.iy) * impl_->tile_size_m;
+  std::vector<Stem> stems;
+  for (const StemGrid& grid : impl_->grids) {
+    const Row& row = impl_->layout->rows[static_cast<std::size_t>(grid.row)];
+    for (const GridStem& found : find_stems(grid, impl_->options)) {
+      const LinePoint at = point_at(row.centreline, found.foot.x());
+      const Eigen::Vector2d left(-at.direction.y(), at.direction.x());
+      Stem stem;
+      stem.row = row.number;
+      stem.position = at.position + left * found.foot.y();
+      const Eigen::Vector2d local = stem.position - low;
+      if (local.minCoeff() < -kHair || local.maxCoeff() > impl_->tile_size_m + kHair) continue;
+      stem.lean = at.direction * found.lean.x() + left * found.lean.y();
+      stem.radius_m = found.radius_m, stem.top_m = found.top_m, stem.contrast = found.contrast;
+      stem.upper_share = found.upper_share, stem.solidity = found.solidity;
+      stems.push_back(stem);
+    }
+  }
+  return stems;
+}
+
+}  // namespace rayfield::density

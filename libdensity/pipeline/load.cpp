@@ -1,0 +1,98 @@
+#include "rayfield/density/load.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libdensity/pipeline/layout_store.h"
+#include "rayfield/core/date.h"
+#include "rayfield/density/results_io.h"
+
+namespace rayfield::density {
+namespace {
+
+const tile::DerivedEntry* find_derived(const std::vector<tile::DerivedEntry>& entries, std::string_view kind,
+                                       std::string_view name) {
+  for (const tile::DerivedEntry& entry : entries)
+    if (entry.kind == kind && entry.name == name) return &entry;
+  return nullptr;
+}
+
+tl::unexpected<Error> not_processed(const std::string& where) {
+  return fail(ErrorCode::usage, "nothing to export", where, "it has not been processed",
+              "run `rayfield process` first");
+}
+
+ScanProduct describe(const tile::ScanEntry& scan) {
+  return {scan.scan_id, scan.date, scan.name, utc_text(scan.start_time_s), utc_text(scan.end_time_s), scan.ray_count};
+}
+
+// Half the width of the widest canopy, from the panels' values; posts alone give a slim panel.
+double outline_half_width(const std::vector<ScanResults>& scans) {
+  double width = 0.5;
+  for (const ScanResults& scan : scans)
+    for (const PanelValue& value : scan.panel_values)
+      if (std::isfinite(value.canopy_width_m)) width = std::max(width, value.canopy_width_m);
+  return width / 2;
+}
+
+Result<GroundModel> load_ground(const tile::Store& store, const tile::ScanEntry& scan) {
+  GroundModel ground(store.config().tile_size_m);
+  for (const tile::DerivedEntry& entry : scan.derived) {
+    if (entry.kind != "ground") continue;
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
+    RAYFIELD_ASSIGN(auto tile, ground_from_arrays(arrays));
+    ground.set(tile.first, std::move(tile.second.nodes));
+  }
+  return ground;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> select_scans(const tile::Snapshot& snapshot, const std::vector<std::string>& wanted) {
+  std::vector<std::string> ids;
+  for (const tile::ScanEntry& scan : snapshot.scans) {
+    const bool named = std::any_of(wanted.begin(), wanted.end(),
+                                   [&scan](const std::string& w) { return w == scan.scan_id || w == scan.date; });
+    if (wanted.empty() || named) ids.push_back(scan.scan_id);
+  }
+  for (const std::string& w : wanted) {
+    if (std::any_of(snapshot.scans.begin(), snapshot.scans.end(),
+                    [&w](const tile::ScanEntry& scan) { return w == scan.scan_id || w == scan.date; }))
+      continue;
+    return fail(ErrorCode::usage, "unknown scan", w, "the store has no scan of that date or id",
+                "see `rayfield status`");
+  }
+  return ids;
+}
+
+Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot& snapshot,
+                                 const std::vector<std::string>& scan_ids) {
+  RAYFIELD_ASSIGN(const BlockLayout block, read_layout(store, snapshot));
+  if (!block.known) return not_processed(store.folder().string());
+  std::vector<ScanResults> scans;
+  const tile::ScanEntry* first = nullptr;
+  for (const tile::ScanEntry& scan : snapshot.scans) {
+    if (!scan_ids.empty() && std::find(scan_ids.begin(), scan_ids.end(), scan.scan_id) == scan_ids.end()) continue;
+    const tile::DerivedEntry* entry = find_derived(scan.derived, "results", "block");
+    if (entry == nullptr) return not_processed(scan.scan_id);
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
+    RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(arrays, block.layout, store.config().crs, describe(scan)));
+    scans.push_back(std::move(results));
+    if (first == nullptr) first = &scan;
+  }
+  if (first == nullptr) return not_processed(store.folder().string());
+  RAYFIELD_ASSIGN(const GroundModel ground, load_ground(store, *first));
+  BlockProducts products =
+      layout_products(block.layout, store.block_name(), store.config().crs, ground, outline_half_width(scans));
+  products.scans = std::move(scans);
+  return products;
+}
+
+Result<RasterProduct> load_raster(const tile::Store& store, const tile::ScanEntry& scan, const std::string& name) {
+  const tile::DerivedEntry* entry = find_derived(scan.derived, "raster", name);
+  if (entry == nullptr) return not_processed(scan.scan_id);
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
+  return raster_from_arrays(arrays);
+}
+
+}  // namespace rayfield::density

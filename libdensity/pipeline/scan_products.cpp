@@ -1,0 +1,217 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+#include <memory>
+#include <optional>
+
+#include "libdensity/layout/polyline.h"
+#include "libdensity/pipeline/option_keys.h"
+#include "libdensity/pipeline/scan_stages.h"
+#include "rayfield/density/results_io.h"
+#include "rayfield/density/voxel_arrays.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr int kResultsVersion = 3;
+constexpr float kNotScanned = std::numeric_limits<float>::quiet_NaN();
+
+// The voxels of a scan's tiles, read when needed. Neighbouring rows run through the same tiles, so the latest ones are
+// kept, as many as fit.
+class VoxelCache {
+ public:
+  VoxelCache(ScanWork& work, std::size_t bytes) : work_(work), bytes_(bytes) {}
+
+  Result<std::shared_ptr<const TileVoxels>> get(tile::TileIndex index) {
+    for (auto it = kept_.begin(); it != kept_.end(); ++it) {
+      if (it->voxels->tile != index) continue;
+      kept_.splice(kept_.begin(), kept_, it);
+      return kept_.front().voxels;
+    }
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_.files.read("voxels", tile_name(index)));
+    RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
+    std::size_t size = 0;
+    for (const StretchVoxels& stretch : voxels.stretches) size += stretch.voxels.size() * sizeof(VoxelCounters);
+    kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
+    used_ += size;
+    while (used_ > bytes_ && kept_.size() > 1) {
+      used_ -= kept_.back().bytes;
+      kept_.pop_back();
+    }
+    return kept_.front().voxels;
+  }
+
+ private:
+  struct Kept {
+    std::shared_ptr<const TileVoxels> voxels;
+    std::size_t bytes;
+  };
+  ScanWork& work_;
+  std::size_t bytes_, used_ = 0;
+  std::list<Kept> kept_;
+};
+
+struct ScanMaps {
+  ScanResults results;
+  std::vector<RasterProduct> rasters;
+};
+
+std::vector<Panel> panels_of(const RowLayout& layout, int row) {
+  std::vector<Panel> panels;
+  for (const Panel& panel : layout.panels)
+    if (panel.row == row) panels.push_back(panel);
+  return panels;
+}
+
+// One row: density, then everything that is integrated from it.
+Result<void> integrate_one(ScanWork& work, const RowLayout& layout, const Row& row, const RowDensity& density,
+                           ScanMaps& maps) {
+  const std::vector<Panel> panels = panels_of(layout, row.number);
+  std::vector<PanelValue> values = integrate_panels(density, panels, layout.spacing_m, work.options.integration);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i].panel_uid = panel_uid(panels[i], layout, work.store.config().crs);
+    maps.results.panel_values.push_back(std::move(values[i]));
+  }
+  for (RowMetreProduct& metre : row_metres(density, row.length_m(), work.options.integration)) {
+    metre.row_number = row.number;
+    metre.position = point_at(row.centreline, metre.chainage_m).position;
+    maps.results.row_metres.push_back(std::move(metre));
+  }
+  for (SectionProduct section : {side_view(density), end_on_section(density, row.length_m())}) {
+    section.row_number = row.number;
+    maps.results.sections.push_back(std::move(section));
+  }
+  return {};
+}
+
+// Cells between the rows that were scanned but hold no voxels are empty, not unknown: canopy there would have widened
+// the voxel grids, whose width follows the hits.
+void mark_lanes(const RowLayout& layout, std::span<const TileSurvey> surveys, double tile_size_m,
+                std::vector<RasterProduct>& rasters) {
+  std::map<tile::TileIndex, const TileSurvey*> by_tile;
+  for (const TileSurvey& survey : surveys) by_tile[survey.index] = &survey;
+  const auto scanned = [&](const Eigen::Vector2d& p) {
+    const tile::TileIndex index{static_cast<std::int32_t>(std::floor(p.x() / tile_size_m)),
+                                static_cast<std::int32_t>(std::floor(p.y() / tile_size_m))};
+    const auto found = by_tile.find(index);
+    if (found == by_tile.end()) return false;
+    const Grid2<std::uint8_t>& coverage = found->second->coverage;
+    const Eigen::Vector2d c = (p - coverage.origin) / coverage.cell_m;
+    const int ix = static_cast<int>(std::floor(c.x())), iy = static_cast<int>(std::floor(c.y()));
+    return coverage.contains(ix, iy) && (coverage.at(ix, iy) & kCoverageHit) != 0;
+  };
+  const double reach = std::isfinite(layout.spacing_m) ? layout.spacing_m / 2 : 1.0;
+  for (const Row& row : layout.rows) {
+    const Grid2<float>& shape = rasters.front().grid;
+    const double step = shape.cell_m / 2, length = row.length_m();
+    for (double along = 0; along <= length; along += step) {
+      const LinePoint point = point_at(row.centreline, along);
+      for (double across = -reach; across <= reach; across += step) {
+        const Eigen::Vector2d p = point.position + across * Eigen::Vector2d(-point.direction.y(), point.direction.x());
+        const Eigen::Vector2d c = (p - shape.origin) / shape.cell_m;
+        const int ix = static_cast<int>(std::floor(c.x())), iy = static_cast<int>(std::floor(c.y()));
+        if (!shape.contains(ix, iy) || !std::isnan(shape.at(ix, iy)) || !scanned(p)) continue;
+        for (RasterProduct& raster : rasters) raster.grid.at(ix, iy) = 0;
+      }
+    }
+  }
+}
+
+// Heights at the centres of cells as large as the ground's nodes are apart, over the block and 10 m around it.
+RasterProduct ground_raster(const GroundModel& ground, const Grid2<float>& block) {
+  double cell = 0.25;
+  for (const auto& [index, nodes] : ground.tiles()) cell = nodes.cell_m;
+  const double margin = 10;
+  const auto snap = [cell](double v, bool up) { return (up ? std::ceil(v / cell) : std::floor(v / cell)) * cell; };
+  const Eigen::Vector2d low(snap(block.origin.x() - margin, false), snap(block.origin.y() - margin, false));
+  const Eigen::Vector2d high(snap(block.origin.x() + block.nx * block.cell_m + margin, true),
+                             snap(block.origin.y() + block.ny * block.cell_m + margin, true));
+  const int nx = static_cast<int>(std::lround((high.x() - low.x()) / cell)),
+            ny = static_cast<int>(std::lround((high.y() - low.y()) / cell));
+  RasterProduct raster{"ground", "m", "Height of the ground", Grid2<float>(low, cell, nx, ny, kNotScanned)};
+  for (int iy = 0; iy < ny; ++iy)
+    for (int ix = 0; ix < nx; ++ix) {
+      const Eigen::Vector2d p = raster.grid.center(ix, iy);
+      if (const auto height = ground.height(p.x(), p.y())) raster.grid.at(ix, iy) = static_cast<float>(*height);
+    }
+  return raster;
+}
+
+Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
+                           const StretchList& list, std::span<const WoodCylinder> wood,
+                           std::span<const tile::TileIndex> tiles) {
+  ScanMaps maps;
+  VoxelCache cache(work, work.options.memory_bytes / 8);
+  ElementPairs pairs;
+  std::map<int, std::vector<tile::TileIndex>> tiles_of_row;
+  for (const tile::TileIndex index : tiles) {
+    RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
+    pairs += voxels->pairs;
+    for (const StretchVoxels& stretch : voxels->stretches) {
+      std::vector<tile::TileIndex>& of_row = tiles_of_row[stretch.stretch.row];
+      if (of_row.empty() || of_row.back() != index) of_row.push_back(index);
+    }
+  }
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.stretches, work.options.plan));
+  work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
+  for (const Row& row : layout.rows) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    if (tiles_of_row.count(row.number) == 0) continue;
+    RAYFIELD_ASSIGN(RowDensityBuilder builder,
+                    RowDensityBuilder::create(row.number, list.stretches, wood, pairs, work.options.estimator));
+    for (const tile::TileIndex index : tiles_of_row[row.number]) {
+      RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
+      RAYFIELD_CHECK(builder.add(*voxels));
+    }
+    const RowDensity density = std::move(builder).finish();
+    maps.results.element_area_m2 = density.leaf_area_m2;
+    RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
+    plan.add(density);
+    work.progress.advance(1);
+  }
+  maps.rasters = plan.finish();
+  mark_lanes(layout, surveyed.surveys, work.tile_size_m(), maps.rasters);
+  maps.rasters.push_back(ground_raster(surveyed.ground, maps.rasters.front().grid));
+  return maps;
+}
+
+}  // namespace
+
+Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
+                                   const StretchList& list, std::span<const WoodCylinder> wood,
+                                   std::span<const tile::TileIndex> tiles) {
+  KeyBuilder builder("results", kResultsVersion);
+  add_options(builder, work.options.estimator);
+  add_options(builder, work.options.integration);
+  add_options(builder, work.options.plan).add(work.layout_key).add(work.files.sha256("stretches", "block"));
+  for (const tile::TileIndex index : tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
+  for (const tile::TileEntry& entry : work.scan.tiles)
+    builder.add(work.files.sha256("ground", tile_name(entry.index)))
+        .add(work.files.sha256("survey", tile_name(entry.index)));
+  const std::string key = builder.hex();
+
+  std::optional<ScanMaps> maps;
+  const auto made = [&]() -> Result<void> {
+    if (maps) return {};
+    RAYFIELD_ASSIGN(maps, make_maps(work, layout, surveyed, list, wood, tiles));
+    return {};
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("results", "block", key, [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_CHECK(made());
+    return results_to_arrays(maps->results, layout, work.store.config().crs);
+  }));
+  for (const char* name : {"plan_density", "plan_density_se", "canopy_height", "ground"}) {
+    RAYFIELD_CHECK(work.files.get("raster", name, key, [&]() -> Result<tile::ArraySet> {
+      RAYFIELD_CHECK(made());
+      for (const RasterProduct& raster : maps->rasters)
+        if (raster.name == name) return raster_to_arrays(raster);
+      return fail(ErrorCode::internal, "cannot make raster", name, "no such raster", "please report this");
+    }));
+  }
+  return results_from_arrays(arrays, layout, work.store.config().crs, {});
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,170 @@
+#include "libdensity/pipeline/scan_stages.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libdensity/pipeline/option_keys.h"
+#include "rayfield/core/parallel.h"
+#include "rayfield/density/layout_arrays.h"
+
+namespace rayfield::density {
+namespace {
+
+// Raised whenever the code of a stage computes something else from the same input.
+constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
+
+// Tiles within `reach_m` of a tile, itself among them.
+std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex index, double tile_size_m,
+                                    double reach_m) {
+  const int reach = static_cast<int>(std::ceil(reach_m / tile_size_m));
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < scan.tiles.size(); ++i) {
+    const tile::TileIndex other = scan.tiles[i].index;
+    if (std::abs(other.ix - index.ix) <= reach && std::abs(other.iy - index.iy) <= reach) near.push_back(i);
+  }
+  return near;
+}
+
+Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
+  KeyBuilder key("survey", kSurveyVersion);
+  add_options(key, work.options.survey).add(entry.content_sha256());
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays,
+                  work.files.get("survey", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
+                    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+                    RAYFIELD_ASSIGN(const TileSurvey survey, survey_tile(reader, entry.index, work.tile_size_m(),
+                                                                         work.options.survey, work.threads));
+                    return survey_to_arrays(survey);
+                  }));
+  return survey_from_arrays(arrays);
+}
+
+Result<GroundTile> ground_one(ScanWork& work, std::size_t tile, const std::vector<TileSurvey>& surveys) {
+  const tile::TileIndex index = work.scan.tiles[tile].index;
+  KeyBuilder key("ground", kGroundVersion);
+  add_options(key, work.options.ground);
+  std::vector<const TileSurvey*> near;
+  for (const std::size_t i : tiles_near(work.scan, index, work.tile_size_m(), work.options.ground.halo_m)) {
+    near.push_back(&surveys[i]);
+    key.add(work.files.sha256("survey", tile_name(work.scan.tiles[i].index)));
+  }
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays,
+                  work.files.get("ground", tile_name(index), key.hex(), [&]() -> Result<tile::ArraySet> {
+                    RAYFIELD_ASSIGN(const GroundTile ground, estimate_ground(index, near, work.options.ground));
+                    return ground_to_arrays(index, ground);
+                  }));
+  RAYFIELD_ASSIGN(auto ground, ground_from_arrays(arrays));
+  return std::move(ground.second);
+}
+
+}  // namespace
+
+Result<void> check_cancelled(const Progress& progress) {
+  if (progress.cancelled())
+    return fail(ErrorCode::interrupted, "interrupted", "", "finished files are kept",
+                "run the same command again to go on");
+  return {};
+}
+
+Result<SurveyedScan> survey_scan(ScanWork& work) {
+  SurveyedScan result{{}, GroundModel(work.tile_size_m())};
+  work.progress.stage(fmt::format("{}: survey", work.scan.scan_id), work.scan.ray_count, "rays");
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    RAYFIELD_ASSIGN(TileSurvey survey, survey_one(work, entry));
+    result.surveys.push_back(std::move(survey));
+    work.progress.advance(entry.start_count);
+  }
+  work.progress.stage(fmt::format("{}: ground", work.scan.scan_id), work.scan.tiles.size(), "tiles");
+  std::vector<GroundTile> grounds(work.scan.tiles.size());
+  RAYFIELD_CHECK(parallel_for(grounds.size(), work.threads, [&](std::size_t tile, int) -> Result<void> {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    RAYFIELD_ASSIGN(grounds[tile], ground_one(work, tile, result.surveys));
+    work.progress.advance(1);
+    return {};
+  }));
+  for (std::size_t tile = 0; tile < grounds.size(); ++tile)
+    result.ground.set(work.scan.tiles[tile].index, std::move(grounds[tile].nodes));
+  return result;
+}
+
+Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
+  FoundLayout found;
+  CanopyMap canopy(work.tile_size_m());
+  work.progress.stage(fmt::format("{}: rows", work.scan.scan_id), work.scan.ray_count, "rays");
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+    RAYFIELD_ASSIGN(CanopyTile tile, canopy_of_tile(reader, entry.index, work.tile_size_m(), surveyed.ground,
+                                                    work.options.canopy, work.threads));
+    canopy.set(entry.index, std::move(tile));
+    work.progress.advance(entry.start_count);
+  }
+  std::vector<const TileSurvey*> surveys;
+  for (const TileSurvey& survey : surveyed.surveys) surveys.push_back(&survey);
+  RAYFIELD_ASSIGN(RowFindings findings, find_rows(join_path(surveys), canopy, work.options.rows));
+  for (const RejectedRow& rejected : findings.rejected)
+    found.notes.push_back(fmt::format("not a row, near {:.1f} {:.1f}: {}", rejected.line.front().x(),
+                                      rejected.line.front().y(), rejected.reason));
+  found.layout = std::move(findings.layout);
+  if (found.layout.rows.empty()) {
+    const std::string why =
+        found.notes.empty() ? "the vehicle drove along nothing that looks like a row" : found.notes.front();
+    return fail(ErrorCode::bad_input, "no rows found", work.scan.scan_id, why,
+                "check that the scan is of a vineyard or orchard driven lane by lane");
+  }
+
+  work.progress.stage(fmt::format("{}: posts", work.scan.scan_id), work.scan.ray_count, "rays");
+  std::vector<Stem> stems;
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+    RAYFIELD_ASSIGN(const std::vector<Stem> here, stems_of_tile(reader, entry.index, work.tile_size_m(), found.layout,
+                                                                surveyed.ground, work.options.posts, work.threads));
+    stems.insert(stems.end(), here.begin(), here.end());
+    work.progress.advance(entry.start_count);
+  }
+  RAYFIELD_ASSIGN(const PostReport posts, place_posts(found.layout, stems, work.options.posts));
+  found.notes.insert(found.notes.end(), posts.warnings.begin(), posts.warnings.end());
+  return found;
+}
+
+Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground) {
+  KeyBuilder key("profile", kProfileVersion);
+  add_options(key, work.options.stretches).add(work.layout_key);
+  for (const tile::TileEntry& entry : work.scan.tiles)
+    key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    CanopyProfile profile;
+    work.progress.stage(fmt::format("{}: canopy extents", work.scan.scan_id), work.scan.ray_count, "rays");
+    for (const tile::TileEntry& entry : work.scan.tiles) {
+      RAYFIELD_CHECK(check_cancelled(work.progress));
+      RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+      RAYFIELD_ASSIGN(const CanopyProfile here, canopy_profile_of_tile(reader, entry.index, work.tile_size_m(), layout,
+                                                                       ground, work.options.stretches, work.threads));
+      add_profile(profile, here);
+      work.progress.advance(entry.start_count);
+    }
+    return profile_to_arrays(profile);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("profile", "block", key.hex(), make));
+  return profile_from_arrays(arrays);
+}
+
+Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                  const CanopyProfile& profile, double voxel_m) {
+  const StretchOptions options = with_voxel_size(work.options.stretches, voxel_m);
+  KeyBuilder key("stretches", kStretchesVersion);
+  add_options(key, options).add(work.layout_key).add(work.files.sha256("profile", "block"));
+  for (const tile::TileEntry& entry : work.scan.tiles) key.add(work.files.sha256("ground", tile_name(entry.index)));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_ASSIGN(const StretchList list, make_stretches(layout, ground, profile, options));
+    for (const std::string& warning : list.warnings) work.progress.warn(warning);
+    return stretches_to_arrays(list);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), make));
+  return stretches_from_arrays(arrays);
+}
+
+}  // namespace rayfield::density

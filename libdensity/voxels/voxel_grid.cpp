@@ -1,0 +1,321 @@
+#include "rayfield/density/voxel_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "libdensity/voxels/tile_ground.h"
+#include "libdensity/voxels/voxel_index.h"
+#include "libdensity/voxels/voxel_traversal.h"
+
+namespace rayfield::density {
+namespace {
+
+/// Wood meets a ray in few places; further ones (a ray along a line of posts) are merged into the last.
+constexpr std::size_t kMaxGaps = 6;
+/// Rays of neighbouring beams: less than 8° apart.
+constexpr double kNeighbourCosine = 0.99;
+
+struct Piece {
+  double from, to;
+};
+
+/// What remains of a ray after masked wood is taken out.
+struct Gaps {
+  std::array<Piece, kMaxGaps> gaps{};
+  std::size_t count = 0;
+
+  /// Keeps the gaps in order of their beginning.
+  void insert(Piece gap) {
+    if (count == kMaxGaps) {
+      gaps[kMaxGaps - 1] = {std::min(gaps[kMaxGaps - 1].from, gap.from), std::max(gaps[kMaxGaps - 1].to, gap.to)};
+      return;
+    }
+    std::size_t at = count++;
+    for (; at > 0 && gaps[at - 1].from > gap.from; --at) gaps[at] = gaps[at - 1];
+    gaps[at] = gap;
+  }
+  bool covers(double t) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (gaps[i].from <= t && t <= gaps[i].to) return true;
+    return false;
+  }
+  /// The parts of 0…length outside the gaps, in order; returns how many.
+  std::size_t pieces(double length, std::array<Piece, kMaxGaps + 1>& out) const {
+    std::size_t n = 0;
+    double from = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (gaps[i].from > from) out[n++] = {from, gaps[i].from};
+      from = std::max(from, gaps[i].to);
+    }
+    if (from < length) out[n++] = {from, length};
+    return n;
+  }
+};
+
+bool same_grid(const Stretch& a, const Stretch& b) {
+  return a.row == b.row && a.index == b.index && a.n_along == b.n_along && a.n_across == b.n_across && a.n_up == b.n_up;
+}
+
+}  // namespace
+
+Result<void> VoxelOptions::validate() const {
+  RAYFIELD_CHECK(leaf_angles.validate());
+  if (!(wood_shell_m >= 0 && wood_shell_m <= 0.2))
+    return fail(ErrorCode::usage, "bad voxel option", "wood_shell_m", "must lie in 0…0.2 m",
+                "three times the range noise");
+  if (!(sure_return_m >= 0 && sure_return_m <= 200 && slope_margin >= 0 && slope_margin <= 0.5))
+    return fail(ErrorCode::usage, "bad voxel option", "sure_return_m, slope_margin", "must lie in 0…200 m and 0…0.5",
+                "about half the lidar's range");
+  return {};
+}
+
+VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
+  rays += other.rays, hits += other.hits;
+  path += other.path, hit_path += other.hit_path;
+  potential += other.potential;
+  return *this;
+}
+
+std::span<const VoxelCounters> StretchVoxels::column_voxels(int along, int across) const {
+  const std::int32_t c = column[static_cast<std::size_t>(along) * static_cast<std::size_t>(stretch.n_across) +
+                                static_cast<std::size_t>(across)];
+  if (c < 0) return {};
+  const auto n = static_cast<std::size_t>(stretch.n_up);
+  return std::span(voxels).subspan(static_cast<std::size_t>(c) * n, n);
+}
+
+Eigen::Vector2d column_center(const Stretch& s, int along, int across) {
+  const double a = (along + 0.5) * s.voxel_m, c = s.across_min_m + (across + 0.5) * s.voxel_m;
+  return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
+}
+
+struct VoxelAccumulator::Geometry {
+  VoxelOptions options;
+  LeafProjectionTable projection{LeafAngles{}};
+  tile::TileIndex tile;
+  std::vector<GridFrame> frames;
+  std::vector<StretchVoxels> empty;
+  std::vector<WoodCylinder> wood;
+  VoxelIndex index;
+  TileGround ground;
+
+  bool left_out(const Eigen::Vector3d& p, const Eigen::Vector3d& d) const {
+    return options.sure_return_m > 0 && !ground.sure_to_return(p, d, options.sure_return_m, options.slope_margin);
+  }
+};
+
+namespace {
+
+/// Numbers the columns of a stretch that belong to the tile; counters all zero.
+StretchVoxels allocate(const Stretch& s, const tile::TileIndex& tile, double tile_size_m) {
+  StretchVoxels out;
+  out.stretch = s;
+  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
+  out.column.assign(columns, -1);
+  std::int32_t next = 0;
+  std::size_t i = 0;
+  for (int a = 0; a < s.n_along; ++a) {
+    for (int c = 0; c < s.n_across; ++c, ++i) {
+      const Eigen::Vector2d p = column_center(s, a, c) / tile_size_m;
+      if (std::floor(p.x()) == tile.ix && std::floor(p.y()) == tile.iy) out.column[i] = next++;
+    }
+  }
+  out.entries.assign(static_cast<std::size_t>(next), 0);
+  out.voxels.assign(static_cast<std::size_t>(next) * static_cast<std::size_t>(s.n_up), {});
+  return out;
+}
+
+}  // namespace
+
+VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry)
+    : geometry_(std::move(geometry)), sums_(geometry_->empty) {}
+VoxelAccumulator::VoxelAccumulator(VoxelAccumulator&&) noexcept = default;
+VoxelAccumulator& VoxelAccumulator::operator=(VoxelAccumulator&&) noexcept = default;
+VoxelAccumulator::~VoxelAccumulator() = default;
+
+Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double tile_size_m,
+                                                  std::span<const Stretch> stretches,
+                                                  std::span<const WoodCylinder> wood, const VoxelOptions& options) {
+  RAYFIELD_CHECK(options.validate());
+  auto geometry = std::make_shared<Geometry>();
+  geometry->options = options;
+  geometry->projection = LeafProjectionTable(options.leaf_angles);
+  geometry->tile = tile;
+  std::vector<Stretch> kept;
+  double voxel_m = 0;
+  for (const Stretch& s : stretches) {
+    const std::string where = "row " + std::to_string(s.row) + ", stretch " + std::to_string(s.index);
+    const std::int64_t columns = std::int64_t{s.n_along} * s.n_across;
+    if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || columns * s.n_up > std::int64_t{1} << 28)
+      return fail(ErrorCode::usage, "cannot lay out voxels", where, "no voxels, or more than 2^28",
+                  "check the row's extents");
+    if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))
+      return fail(ErrorCode::usage, "cannot lay out voxels", where,
+                  "voxel size not positive or direction not a unit vector");
+    StretchVoxels voxels = allocate(s, tile, tile_size_m);
+    if (voxels.entries.empty()) continue;
+    kept.push_back(s);
+    geometry->frames.emplace_back(s);
+    geometry->empty.push_back(std::move(voxels));
+    voxel_m = std::max(voxel_m, s.voxel_m);
+  }
+  // Columns reach over the tile's border by at most half a voxel diagonal.
+  const Eigen::Vector2d corner(tile.ix * tile_size_m, tile.iy * tile_size_m);
+  Eigen::AlignedBox2d bounds(Eigen::Vector2d(corner.array() - voxel_m),
+                             Eigen::Vector2d(corner.array() + tile_size_m + voxel_m));
+  for (const WoodCylinder& w : wood)
+    if (bounds.exteriorDistance(Eigen::Vector2d(w.base.head<2>())) < w.length_m + 1) geometry->wood.push_back(w);
+  geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
+  geometry->ground = TileGround::of(kept);
+  return VoxelAccumulator(geometry);
+}
+
+VoxelAccumulator VoxelAccumulator::fork() const { return VoxelAccumulator(geometry_); }
+
+bool VoxelAccumulator::empty() const { return sums_.empty(); }
+
+std::size_t VoxelAccumulator::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const StretchVoxels& s : sums_)
+    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.entries.size() * 4 + s.column.size() * 4;
+  return bytes;
+}
+
+template <class Meet>
+void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
+  std::vector<std::uint64_t> mask(static_cast<std::size_t>(geometry_->index.words()));
+  bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
+  Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Eigen::Vector3d p = segments.entry[i];
+    Eigen::Vector3d d = segments.exit[i] - p;
+    const double length = d.norm();
+    const std::uint8_t flags = segments.flags[i];
+    Counted counted;
+    if (length > 0) {
+      d /= length;
+      const bool left_out = geometry_->left_out(p, d);
+      if (!left_out) counted = meet({p, d, length, (flags & tile::kHit) != 0, (flags & tile::kStartsHere) != 0}, mask);
+      if (last_was_leaf && !left_out && !counted.on_wood && d.dot(last_direction) > kNeighbourCosine) {
+        const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
+        const double along = to_hit.dot(d);
+        pairs_.add((to_hit - along * d).norm(), length - along, (flags & tile::kHit) != 0);
+      }
+    }
+    last_was_leaf = counted.hit;
+    last_direction = d;
+  }
+}
+
+Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
+  segments_ += segments.size();
+  if (segments_ > std::numeric_limits<std::uint32_t>::max())
+    return fail(ErrorCode::resources, "cannot count rays",
+                "tile " + std::to_string(geometry_->tile.ix) + "_" + std::to_string(geometry_->tile.iy),
+                "more than 4294967295 segments in one tile", "use smaller tiles");
+  if (sums_.empty()) return {};
+  for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
+    if (!geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
+    return count(ray, mask);
+  });
+  return {};
+}
+
+void VoxelAccumulator::add_pairs(const tile::SegmentBatch& segments) {
+  if (sums_.empty()) return;
+  for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
+    if (!ray.hit || !geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
+    return locate_hit(ray, mask);
+  });
+}
+
+VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const {
+  const Geometry& g = *geometry_;
+  const Eigen::Vector3d end = ray.origin + ray.length * ray.direction;
+  Counted out;
+  for (std::size_t w = mask.size(); w-- > 0;)
+    for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0; bits &= bits - 1) {
+      const std::size_t item = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      if (item >= sums_.size()) {
+        Piece gap{};
+        out.on_wood = out.on_wood || (shell_interval(g.wood[item - sums_.size()], g.options.wood_shell_m, ray.origin,
+                                                     ray.direction, gap.from, gap.to) &&
+                                      gap.from <= ray.length && ray.length <= gap.to);
+        continue;
+      }
+      const Stretch& s = sums_[item].stretch;
+      const Eigen::Array3d at = g.frames[item].grid_from_map(end).array().floor();
+      if ((at < 0).any() || (at >= Eigen::Array3d(s.n_along, s.n_across, s.n_up)).any()) continue;
+      const auto column =
+          static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(s.n_across) + static_cast<std::size_t>(at.y());
+      out.hit = out.hit || sums_[item].column[column] >= 0;
+    }
+  out.hit = out.hit && !out.on_wood;
+  return out;
+}
+
+VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<std::uint64_t>& mask) {
+  const Geometry& g = *geometry_;
+  const auto stretch_bits = sums_.size();
+  Gaps gaps;
+  std::array<Piece, kMaxGaps + 1> pieces;
+  std::size_t piece_count = 1;
+  pieces[0] = {0, ray.length};
+  Counted counted;
+  const double doubled_projection = 2 * g.projection(ray.direction.z());
+  for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the stretches
+    for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0;) {
+      const auto top = static_cast<std::size_t>(63 - std::countl_zero(bits));
+      bits &= ~(std::uint64_t{1} << top);
+      const std::size_t item = w * 64 + top;
+      if (item >= stretch_bits) {
+        Piece gap{};
+        if (!shell_interval(g.wood[item - stretch_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
+                            gap.to) ||
+            gap.to <= 0 || gap.from >= ray.length)
+          continue;
+        gaps.insert(gap);
+        piece_count = gaps.pieces(ray.length, pieces);
+        counted.on_wood = ray.hit && gaps.covers(ray.length);
+        continue;
+      }
+      const GridFrame& frame = g.frames[item];
+      const Eigen::Vector3d g0 = frame.grid_from_map(ray.origin), dg = frame.linear * ray.direction;
+      for (std::size_t k = 0; k < piece_count; ++k) {
+        const RayPiece piece{pieces[k].from,
+                             pieces[k].to,
+                             doubled_projection,
+                             ray.hit && pieces[k].to == ray.length,
+                             k == 0,
+                             ray.starts && pieces[k].from == 0};
+        if (traverse(sums_[item], g0, dg, piece)) counted.hit = true;
+      }
+    }
+  }
+  return counted;
+}
+
+Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
+  segments_ += other.segments_;
+  if (segments_ > std::numeric_limits<std::uint32_t>::max() || sums_.size() != other.sums_.size())
+    return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "too many segments or different stretches");
+  pairs_ += other.pairs_;
+  for (std::size_t s = 0; s < sums_.size(); ++s) {
+    StretchVoxels& mine = sums_[s];
+    const StretchVoxels& theirs = other.sums_[s];
+    if (!same_grid(mine.stretch, theirs.stretch) || mine.voxels.size() != theirs.voxels.size())
+      return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different stretches");
+    for (std::size_t i = 0; i < mine.voxels.size(); ++i) mine.voxels[i] += theirs.voxels[i];
+    for (std::size_t i = 0; i < mine.entries.size(); ++i) mine.entries[i] += theirs.entries[i];
+  }
+  return {};
+}
+
+TileVoxels VoxelAccumulator::finish() && { return {geometry_->tile, std::move(sums_), pairs_}; }
+
+}  // namespace rayfield::density

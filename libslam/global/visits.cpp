@@ -1,0 +1,73 @@
+#include "libslam/global/visits.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/gps/gps_alignment.h"
+#include "libslam/solver/residuals.h"
+
+namespace rayfield::slam {
+namespace {
+
+constexpr double kLinkSeconds = 5.0;
+constexpr std::uint32_t kLinkMatches = 10;
+constexpr double kStretchSeconds = 20.0;
+constexpr std::uint64_t kLeastMatches = 100;  // of a stretch whose percentile counts
+constexpr std::size_t kLeastStretches = 3;
+constexpr double kLeastOffset_m = 1e-6, kBinRatio = 1.04;
+
+}  // namespace
+
+void OffsetHistogram::add(double offset_m) {
+  const double bin = std::log(std::max(offset_m, kLeastOffset_m) / kLeastOffset_m) / std::log(kBinRatio);
+  ++bins_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+  ++count_;
+}
+
+double OffsetHistogram::quantile(double share) const {
+  const double wanted = share * static_cast<double>(count_);
+  double below = 0;
+  for (std::size_t k = 0; k < kBins; ++k) {
+    const double here = bins_[k];
+    if (here > 0 && below + here >= wanted)
+      return kLeastOffset_m * std::pow(kBinRatio, static_cast<double>(k) + (wanted - below) / here);
+    below += here;
+  }
+  return 0;
+}
+
+VisitSurvey::VisitSurvey(double duration_s) : stretches_(static_cast<std::size_t>(duration_s / kStretchSeconds) + 1) {}
+
+void VisitSurvey::add(const PoseTrack& track, std::span<const Surfel> surfels, std::span<const SurfelMatch> revisits) {
+  for (const SurfelMatch& m : revisits) {
+    const Surfel &first = surfels[m.first], &second = surfels[m.second];
+    const double offset = std::abs(surfel_offset(track, first, second));
+    all_.add(offset);
+    for (const Surfel* s : {&first, &second}) {
+      const auto stretch = static_cast<std::size_t>(std::max(0.0, s->time_s) / kStretchSeconds);
+      stretches_[std::min(stretch, stretches_.size() - 1)].add(offset);
+    }
+    const int a = static_cast<int>(first.time_s / kLinkSeconds), b = static_cast<int>(second.time_s / kLinkSeconds);
+    ++links_[{std::min(a, b), std::max(a, b)}];
+  }
+}
+
+std::uint64_t VisitSurvey::linked_visits() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(links_.begin(), links_.end(), [](const auto& link) { return link.second >= kLinkMatches; }));
+}
+
+VisitMisfit VisitSurvey::misfit() const {
+  VisitMisfit out;
+  std::vector<double> percentiles;
+  for (std::size_t k = 0; k < stretches_.size(); ++k) {
+    if (stretches_[k].count() < kLeastMatches) continue;
+    percentiles.push_back(stretches_[k].quantile(0.9));
+    if (percentiles.back() > out.worst_m)
+      out.worst_m = percentiles.back(), out.worst_s = (static_cast<double>(k) + 0.5) * kStretchSeconds;
+  }
+  if (percentiles.size() >= kLeastStretches) out.typical_m = median_of(std::move(percentiles));
+  return out;
+}
+
+}  // namespace rayfield::slam

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "libslam/input/imu_grid.h"
+#include "libslam/input/lidar_assembler.h"
+#include "libslam/odometry/window.h"
+#include "libslam/surfels/surfel_file.h"
+#include "rayfield/core/result.h"
+#include "rayfield/core/rig.h"
+#include "rayfield/slam/options.h"
+
+namespace rayfield::slam {
+
+/// Estimated biases and gravity at a time.
+struct InertialNode {
+  double time_s = 0;
+  InertialState state;
+};
+
+/// How the drive began.
+struct StartInfo {
+  double stationary_s = 0;  ///< length of the stationary start, 0 if the drive began in motion
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< initial, in the levelled frame of the first pose, m/s
+};
+
+/// What the windowed stage hands to the global one. Times are seconds after the epoch.
+struct OdometryResult {
+  double epoch_s = 0;
+  PoseTrack track;
+  SurfelFile surfels;
+  std::vector<Surfel> poles;  ///< sightings, in the order of time bins: some ten a second
+  std::vector<InertialNode> inertial;
+  std::vector<WindowStats> windows;
+  StartInfo start;
+  InertialNoise noise;
+  std::uint64_t points_used = 0, points_late = 0;
+  double extract_seconds = 0, solve_seconds = 0;  ///< processor time of the two parts
+};
+
+/// Stage a, streaming: keeps the points of the bins that are not yet complete and the surfels of the whole drive.
+class Odometry {
+ public:
+  Odometry(const Rig& rig, const SlamOptions& options, double epoch_s);
+
+  void add(const ImuSample& sample) { imu_.add(sample); }
+  void add(const BodyScan& scan);
+
+  /// A fix (seconds after the epoch, any tangent plane), used to find the motion of a drive that does not start at
+  /// rest.
+  void add_fix(double time_s, const Eigen::Vector3d& enu);
+
+  /// Solves every window whose data are complete; with `flush` all that is left.
+  Result<void> advance(bool flush);
+
+  /// Ends the stage. Errors: bad_input if the drive is too short to be solved.
+  Result<OdometryResult> finish();
+
+  const ImuGrid& imu() const { return imu_; }
+
+ private:
+  Result<void> start();
+  Result<void> start_in_motion(int last_sample);
+  Result<void> step(double window_end_s);
+  Result<void> last_step();
+  void integrate_to(int last_sample);
+  Result<void> extract_to(double time_s);
+  Result<void> solve(int first_sample, int last_sample, bool first);
+
+  Rig rig_;
+  SlamOptions options_;
+  ImuGrid imu_;
+  bool started_ = false;
+  double done_s_ = 0;                                 // the trajectory is solved up to here
+  double lidar_end_s_ = -1;                           // time of the newest point
+  Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  // the newest beam's start, IMU frame
+  std::int64_t extracted_bins_ = 0;
+  std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
+  // The surfels of the newest bins, as many as a window may need.
+  struct Bin {
+    std::int64_t index = 0;
+    std::size_t count = 0;
+  };
+  std::vector<Surfel> newest_;
+  std::deque<Bin> newest_bins_;
+  std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until the drive has started
+  InertialState state_;
+  Matrix8d inertial_covariance_ = Matrix8d::Identity();
+  OdometryResult out_;
+};
+
+}  // namespace rayfield::slam

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "libslam/trajectory/pose_track.h"
+#include "rayfield/core/result.h"
+#include "rayfield/slam/options.h"
+
+namespace rayfield::slam {
+
+/// A lidar hit in the IMU frame at its own time.
+struct BodyPoint {
+  double time_s = 0;  ///< after the epoch of the drive, on the IMU clock
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();
+  float spin_rate_rad_s = 0;
+};
+
+/// A planar patch seen within one time bin. Position and normal are held in the IMU frame at `time_s` (the mean time of
+/// its points) and move rigidly with the pose of that time: within a voxel and a bin the points span a few hundredths
+/// of a second under a spinning lidar.
+struct Surfel {
+  double time_s = 0;
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();  ///< mean of the points
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor
+  float variance_m2 = 0;                             ///< smallest eigenvalue of the points' covariance
+  float spin_rate_rad_s = 0;                         ///< of the spinner at `time_s`
+  std::uint8_t level = 0;                            ///< index into SurfelOptions::voxel_size_m
+};
+
+/// What the points of one time bin show, in the order of time.
+struct Features {
+  std::vector<Surfel>
+      surfels;                ///< at most SurfelOptions::max_surfels_per_bin of each level, even over the bin's voxels
+  std::vector<Surfel> poles;  ///< sightings of poles, see find_poles()
+};
+
+/// Points are brought together with `track`, which must cover their times. `sensor`: where the beams start, in the IMU
+/// frame, to a decimetre.
+Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
+                          const SurfelOptions& options, const PoleOptions& poles, int threads = 1);
+
+}  // namespace rayfield::slam

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+#include "libtile/files/file_io.h"
+
+namespace rayfield::tile {
+
+/// The right to change a store: an exclusive flock(2) on its lock file, held while the object lives and gone with the
+/// process. Taking it clears what a writer that died left in tmp/.
+class WriterLock {
+ public:
+  /// Errors: locked (another writer), resources (read-only, no permission).
+  static Result<WriterLock> take(const std::filesystem::path& store);
+
+ private:
+  explicit WriterLock(Fd file) : file_(std::move(file)) {}
+  Fd file_;
+};
+
+}  // namespace rayfield::tile

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "libtile/partition/clip_batch.h"
+#include "libtile/partition/tile_output.h"
+#include "rayfield/core/progress.h"
+#include "rayfield/core/ray_source.h"
+
+namespace rayfield::tile {
+
+struct PartitionOptions {
+  int threads = 1;
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  /// Below this the buffers cannot hold one batch of arbitrary rays.
+  static constexpr std::uint64_t kLeastMemory = std::uint64_t{128} << 20;
+};
+
+struct PartitionResult {
+  RayStatistics statistics;
+  std::vector<TileEntry> tiles;  ///< ordered by index
+};
+
+/// Cuts a stream of rays into tile files in one reading of the stream. Bytes and order of the files depend on the rays
+/// and the grid only. `spill` takes what does not fit in memory. Errors: what the source, the disk or the rays give;
+/// interrupted.
+Result<PartitionResult> partition(RaySource& rays, const TileGrid& grid, const PartitionOptions& options,
+                                  SpillFile& spill, const TileOutput::WriteFile& write_file, Progress& progress);
+
+}  // namespace rayfield::tile

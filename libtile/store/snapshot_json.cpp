@@ -1,0 +1,188 @@
+#include "libtile/store/snapshot_json.h"
+
+#include <stdexcept>
+
+#include "libtile/files/store_layout.h"
+#include "rayfield/core/sha256.h"
+
+namespace rayfield::tile {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSnapshotFormat = "rayfield-snapshot";
+constexpr const char* kStoreFormat = "rayfield-store";
+constexpr int kVersion = 1;
+
+Json file_json(const FileEntry& file) { return {{"path", file.path}, {"size", file.size}, {"sha256", file.sha256}}; }
+
+Json box_json(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return nullptr;
+  return {{"min", {box.min().x(), box.min().y(), box.min().z()}},
+          {"max", {box.max().x(), box.max().y(), box.max().z()}}};
+}
+
+Json tile_json(const TileEntry& tile) {
+  Json files = Json::array({file_json(tile.file)});
+  for (const FileEntry& file : tile.more_files) files.push_back(file_json(file));
+  return {{"tile", {tile.index.ix, tile.index.iy}},
+          {"segments", tile.segment_count},
+          {"starts", tile.start_count},
+          {"hits", tile.hit_count},
+          {"bounds", box_json(tile.bounds)},
+          {"files", std::move(files)}};
+}
+
+Json derived_json(const DerivedEntry& derived) {
+  return {{"kind", derived.kind}, {"name", derived.name}, {"key", derived.key}, {"file", file_json(derived.file)}};
+}
+
+Json scan_json(const ScanEntry& scan) {
+  Json inputs = Json::array(), tiles = Json::array(), derived = Json::array();
+  for (const InputEntry& i : scan.inputs) inputs.push_back({{"name", i.name}, {"size", i.size}, {"sha256", i.sha256}});
+  for (const TileEntry& t : scan.tiles) tiles.push_back(tile_json(t));
+  for (const DerivedEntry& d : scan.derived) derived.push_back(derived_json(d));
+  return {{"scan_id", scan.scan_id},
+          {"date", scan.date},
+          {"name", scan.name},
+          {"inputs", std::move(inputs)},
+          {"rays", scan.ray_count},
+          {"hits", scan.hit_count},
+          {"start_time_s", scan.start_time_s},
+          {"end_time_s", scan.end_time_s},
+          {"origin_bounds", box_json(scan.origin_bounds)},
+          {"warnings", scan.warnings},
+          {"tiles", std::move(tiles)},
+          {"derived", std::move(derived)}};
+}
+
+FileEntry parse_file(const Json& json) {
+  FileEntry file{json.at("path").get<std::string>(), json.at("size").get<std::uint64_t>(),
+                 json.at("sha256").get<std::string>()};
+  if (!layout::is_inside(file.path)) throw std::runtime_error("path '" + file.path + "' leads out of the store");
+  return file;
+}
+
+Eigen::AlignedBox3d parse_box(const Json& json) {
+  if (json.is_null()) return {};
+  const auto corner = [&](const char* key) {
+    const Json& c = json.at(key);
+    return Eigen::Vector3d(c.at(0).get<double>(), c.at(1).get<double>(), c.at(2).get<double>());
+  };
+  return {corner("min"), corner("max")};
+}
+
+TileEntry parse_tile(const Json& json) {
+  TileEntry tile;
+  tile.index = {json.at("tile").at(0).get<std::int32_t>(), json.at("tile").at(1).get<std::int32_t>()};
+  tile.segment_count = json.at("segments").get<std::uint64_t>();
+  tile.start_count = json.at("starts").get<std::uint64_t>();
+  tile.hit_count = json.at("hits").get<std::uint64_t>();
+  tile.bounds = parse_box(json.at("bounds"));
+  const Json& files = json.at("files");
+  tile.file = parse_file(files.at(0));
+  for (std::size_t i = 1; i < files.size(); ++i) tile.more_files.push_back(parse_file(files.at(i)));
+  return tile;
+}
+
+DerivedEntry parse_derived(const Json& json) {
+  return {json.at("kind").get<std::string>(), json.at("name").get<std::string>(), json.at("key").get<std::string>(),
+          parse_file(json.at("file"))};
+}
+
+ScanEntry parse_scan(const Json& json) {
+  ScanEntry scan;
+  scan.scan_id = json.at("scan_id").get<std::string>();
+  scan.date = json.at("date").get<std::string>();
+  scan.name = json.at("name").get<std::string>();
+  for (const Json& i : json.at("inputs"))
+    scan.inputs.push_back(
+        {i.at("name").get<std::string>(), i.at("size").get<std::uint64_t>(), i.at("sha256").get<std::string>()});
+  scan.ray_count = json.at("rays").get<std::uint64_t>();
+  scan.hit_count = json.at("hits").get<std::uint64_t>();
+  scan.start_time_s = json.at("start_time_s").get<double>();
+  scan.end_time_s = json.at("end_time_s").get<double>();
+  scan.origin_bounds = parse_box(json.at("origin_bounds"));
+  scan.warnings = json.at("warnings").get<std::vector<std::string>>();
+  for (const Json& t : json.at("tiles")) scan.tiles.push_back(parse_tile(t));
+  for (const Json& d : json.at("derived")) scan.derived.push_back(parse_derived(d));
+  return scan;
+}
+
+// Runs `parse` on a document of that format; whatever is wrong with the document becomes an error.
+template <class T, class Parse>
+Result<T> parse_document(const Json& json, const char* format, const std::string& where, const Parse& parse) {
+  try {
+    if (json.at("format") != format)
+      return fail(ErrorCode::damaged, "cannot read the store", where, std::string("it is not a ") + format);
+    if (json.at("version").get<int>() > kVersion)
+      return fail(ErrorCode::bad_input, "cannot read the store", where,
+                  "it was written in format " + std::to_string(json.at("version").get<int>()) +
+                      ", this rayfield knows format " + std::to_string(kVersion),
+                  "use a newer rayfield");
+    return parse();
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::damaged, "cannot read the store", where, e.what(), "run `rayfield verify`");
+  }
+}
+
+}  // namespace
+
+std::string TileEntry::content_sha256() const {
+  if (more_files.empty()) return file.sha256;
+  std::string all = file.sha256;
+  for (const FileEntry& f : more_files) all += f.sha256;
+  return sha256_hex(all);
+}
+
+const ScanEntry* Snapshot::find_scan(const std::string& scan_id) const {
+  for (const ScanEntry& scan : scans) {
+    if (scan.scan_id == scan_id) return &scan;
+  }
+  return nullptr;
+}
+
+Json to_json(const Snapshot& snapshot) {
+  Json scans = Json::array(), registry = Json::array();
+  for (const ScanEntry& scan : snapshot.scans) scans.push_back(scan_json(scan));
+  for (const DerivedEntry& derived : snapshot.registry) registry.push_back(derived_json(derived));
+  return {{"format", kSnapshotFormat},           {"version", kVersion},
+          {"number", snapshot.number},           {"parent", snapshot.parent},
+          {"created_utc", snapshot.created_utc}, {"software_version", snapshot.software_version},
+          {"command", snapshot.command},         {"scans", std::move(scans)},
+          {"registry", std::move(registry)}};
+}
+
+Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) {
+  return parse_document<Snapshot>(json, kSnapshotFormat, where, [&] {
+    Snapshot snapshot;
+    snapshot.number = json.at("number").get<std::uint64_t>();
+    snapshot.parent = json.at("parent").get<std::uint64_t>();
+    snapshot.created_utc = json.at("created_utc").get<std::string>();
+    snapshot.software_version = json.at("software_version").get<std::string>();
+    snapshot.command = json.at("command").get<std::string>();
+    for (const Json& scan : json.at("scans")) snapshot.scans.push_back(parse_scan(scan));
+    for (const Json& derived : json.at("registry")) snapshot.registry.push_back(parse_derived(derived));
+    return snapshot;
+  });
+}
+
+Json to_json(const StoreConfig& config) {
+  return {{"format", kStoreFormat},
+          {"version", kVersion},
+          {"crs", config.crs},
+          {"tile_size_m", config.tile_size_m},
+          {"tile_margin_m", config.tile_margin_m}};
+}
+
+Result<StoreConfig> config_from_json(const Json& json, const std::string& where) {
+  return parse_document<StoreConfig>(json, kStoreFormat, where, [&] {
+    StoreConfig config;
+    config.crs = json.at("crs").get<std::string>();
+    config.tile_size_m = json.at("tile_size_m").get<double>();
+    config.tile_margin_m = json.at("tile_margin_m").get<double>();
+    return config;
+  });
+}
+
+}  // namespace rayfield::tile

@@ -1,0 +1,160 @@
+#include "rayfield/tile/store.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <set>
+#include <system_error>
+
+#include "libtile/files/durable_writer.h"
+#include "libtile/files/fault.h"
+#include "libtile/files/file_io.h"
+#include "libtile/files/sealed_json.h"
+#include "libtile/files/store_layout.h"
+#include "libtile/files/writer_lock.h"
+#include "libtile/store/snapshot_json.h"
+#include "libtile/store/snapshot_log.h"
+#include "libtile/store/store_impl.h"
+#include "libtile/tile_file/tile_grid.h"
+#include "rayfield/core/map_frame.h"
+
+namespace rayfield::tile {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLeastTile_m = 5, kLargestTile_m = 10000;
+
+bool whole_units(double metres) {
+  return std::isfinite(metres) && std::abs(metres * kUnitsPerMetre - std::round(metres * kUnitsPerMetre)) < 1e-6;
+}
+
+// A folder may become a store when it is empty or when an earlier attempt to make it one was interrupted.
+Result<void> check_free(const fs::path& folder) {
+  static const std::set<std::string> kOurs = {layout::kLock, layout::kTemporary, layout::kSnapshots, layout::kScans,
+                                              layout::kRegistry};
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    if (!kOurs.contains(entry->path().filename().string()))
+      return fail(ErrorCode::usage, "cannot create a store", folder.string(),
+                  "the folder holds other things ('" + entry->path().filename().string() + "')",
+                  "give an empty or a new folder");
+  }
+  if (error) return fail_io(error.value(), "cannot create a store", folder);
+  if (!fs::exists(folder / layout::kSnapshots, error)) return {};
+  RAYFIELD_ASSIGN(const auto numbers, snapshot_numbers(folder));
+  if (!numbers.empty())
+    return fail(ErrorCode::damaged, "cannot create a store", folder.string(), "it holds snapshots but no store.json");
+  return {};
+}
+
+Result<StoreConfig> read_config(const fs::path& folder) {
+  const fs::path path = folder / layout::kStoreFile;
+  RAYFIELD_ASSIGN(const auto json, read_sealed_json("store", path));
+  return config_from_json(json, path.string());
+}
+
+bool same(const StoreConfig& a, const StoreConfig& b) {
+  return a.crs == b.crs && a.tile_size_m == b.tile_size_m && a.tile_margin_m == b.tile_margin_m;
+}
+
+Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
+  const std::string text = seal_json("store", to_json(config));
+  RAYFIELD_ASSIGN(const fs::path temporary,
+                  write_temporary(folder / layout::kTemporary, std::as_bytes(std::span(text))));
+  int error = fault::point("link");
+  if (error == 0 && ::link(temporary.c_str(), (folder / layout::kStoreFile).c_str()) != 0) error = errno;
+  ::unlink(temporary.c_str());
+  if (error == EPERM || error == EOPNOTSUPP)
+    return fail(ErrorCode::resources, "cannot create a store", folder.string(), "the file system has no hard links",
+                "keep the store on a file system of Linux");
+  if (error != 0) return fail_io(error, "cannot create a store", folder);
+  return sync_directory(folder);
+}
+
+}  // namespace
+
+Result<void> StoreConfig::validate() const {
+  if (const auto found = lookup_projected_crs(crs); !found) return tl::make_unexpected(found.error());
+  if (!whole_units(tile_size_m) || tile_size_m < kLeastTile_m || tile_size_m > kLargestTile_m)
+    return fail(ErrorCode::usage, "bad tile size", fmt::format("{} m", tile_size_m),
+                fmt::format("it must be {} to {} m and a multiple of 0.1 mm", kLeastTile_m, kLargestTile_m));
+  if (!whole_units(tile_margin_m) || tile_margin_m < 0 || tile_margin_m > tile_size_m / 4)
+    return fail(ErrorCode::usage, "bad tile margin", fmt::format("{} m", tile_margin_m),
+                "it must be 0 to a quarter of the tile size and a multiple of 0.1 mm");
+  return {};
+}
+
+Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
+  RAYFIELD_CHECK(config.validate());
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    return fail(ErrorCode::usage, "cannot create a store", folder.string(), "it is not a folder",
+                "give an empty or a new folder");
+  fs::create_directories(folder, error);
+  if (error) return fail_io(error.value(), "cannot create a store", folder);
+  if (!fs::exists(folder / layout::kStoreFile, error)) RAYFIELD_CHECK(check_free(folder));
+  RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(folder));
+  for (const char* part : {layout::kSnapshots, layout::kScans, layout::kRegistry})
+    RAYFIELD_CHECK(make_directories(folder, part));
+  if (fs::exists(folder / layout::kStoreFile, error)) {
+    RAYFIELD_ASSIGN(const Store store, open(folder));
+    if (same(store.config(), config)) {
+      RAYFIELD_CHECK(sync_directory(folder));
+      return store;
+    }
+    return fail(
+        ErrorCode::usage, "cannot create a store", folder.string(),
+        fmt::format("it is a store already, with {} and {} m tiles", store.config().crs, store.config().tile_size_m),
+        "give another folder");
+  }
+  RAYFIELD_CHECK(write_config(folder, config));
+  if (const fs::path parent = fs::absolute(folder, error).parent_path(); !error && ::access(parent.c_str(), W_OK) == 0)
+    RAYFIELD_CHECK(sync_directory(parent));
+  return open(folder);
+}
+
+Result<Store> Store::open(const fs::path& folder) {
+  std::error_code error;
+  const bool is_folder = fs::is_directory(folder, error);
+  if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+    return fail_errno(error.value(), "cannot open the store", folder.string());
+  if (!is_folder)
+    return fail(ErrorCode::bad_input, "cannot open the store", folder.string(), "there is no such folder",
+                "create it with `rayfield init`");
+  if (!fs::exists(folder / layout::kStoreFile, error))
+    return fail(ErrorCode::bad_input, "cannot open the store", folder.string(),
+                "it is not a rayfield store (no store.json)", "create one with `rayfield init`");
+  Store store;
+  store.impl_ = std::make_shared<Impl>();
+  store.impl_->folder = folder;
+  RAYFIELD_ASSIGN(store.impl_->config, read_config(folder));
+  RAYFIELD_CHECK(store.impl_->config.validate());
+  return store;
+}
+
+const StoreConfig& Store::config() const { return impl_->config; }
+const fs::path& Store::folder() const { return impl_->folder; }
+
+std::string Store::block_name() const {
+  fs::path path = fs::weakly_canonical(impl_->folder);
+  if (path.filename().empty()) path = path.parent_path();
+  return path.filename().string();
+}
+
+Result<Snapshot> Store::latest() const { return latest_snapshot(impl_->folder); }
+
+Result<std::vector<Snapshot>> Store::history() const {
+  RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(impl_->folder));
+  std::vector<Snapshot> snapshots;
+  for (const std::uint64_t number : numbers) {
+    RAYFIELD_ASSIGN(Snapshot snapshot, load_snapshot(impl_->folder, number));
+    snapshots.push_back(std::move(snapshot));
+  }
+  return snapshots;
+}
+
+}  // namespace rayfield::tile

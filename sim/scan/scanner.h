@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "rayfield/core/ray.h"
+#include "rayfield/core/sensor_log.h"
+#include "rayfield/sim/drive.h"
+#include "rayfield/sim/simulate.h"
+#include "rayfield/sim/world.h"
+#include "sim/scan/beams.h"
+#include "sim/world/map_from_enu.h"
+
+namespace rayfield::sim {
+
+/// The lidar of a drive, rendered in chunks of consecutive messages. A chunk is a pure function of its number, so
+/// chunks may be rendered in any order and by any thread.
+class Scanner {
+ public:
+  static Result<Scanner> create(const World& world, const Drive& drive);
+
+  struct Chunk {
+    std::vector<LidarScan> scans;
+    RayBatch rays;
+    SimulationSummary counts;
+  };
+  std::size_t chunk_count() const { return (scan_count_ + scans_per_chunk_ - 1) / scans_per_chunk_; }
+  std::size_t scan_count() const { return scan_count_; }
+  std::size_t beams_per_scan() const { return pattern_.direction.size(); }
+  /// `scans` or `rays` can be left out where nobody wants them.
+  void render(std::size_t chunk, bool want_scans, bool want_rays, Chunk& out) const;
+
+ private:
+  Scanner(World world, Drive drive, MapFromEnu map) : world_(std::move(world)), drive_(std::move(drive)), map_(map) {}
+
+  struct Shot {
+    Eigen::Vector3d origin, direction;  // in ENU
+  };
+  World world_;
+  Drive drive_;
+  MapFromEnu map_;
+  BeamPattern pattern_;
+  Rig rig_;
+  Eigen::Matrix3d imu_from_spinner_, spinner_from_lidar_;
+  std::size_t scan_count_ = 0, scans_per_chunk_ = 1;
+
+  void render_scan(std::size_t index, bool want_scans, bool want_rays, Chunk& out) const;
+  Shot shoot(double t, const Eigen::Vector3d& direction) const;
+  std::optional<SceneHit> first_return(const Shot& shot, std::uint64_t beam) const;
+};
+
+}  // namespace rayfield::sim
