@@ -2,7 +2,7 @@
 #
 # One static library per room, `rayfield_<name>`, exported as `rayfield::<name>`.
 # A room may only link the rooms that the table below allows; anything else stops the configure step. SUBROOMS are the
-# room's folders from the ground up.
+# room's folders from the ground up (see rayfield_check_subrooms).
 set(RAYFIELD_MAY_USE_core "")
 set(RAYFIELD_MAY_USE_slam "core")
 set(RAYFIELD_MAY_USE_tile "core")
@@ -29,8 +29,59 @@ function(rayfield_compile_settings target)
   endif()
 endfunction()
 
+# rayfield_check_subrooms(<folder of the room> <folder of its public headers or ""> <sub-room>...)
+#
+# Sub-rooms are ordered from the ground up: a file may include private headers of its own sub-room and of those before it.
+# An include that runs back up, or into another room's private headers, stops the configure step, as does a source in no
+# sub-room. A public header belongs to the sub-room that holds the source of its name; one without a source is vocabulary
+# and open to all.
+function(rayfield_check_subrooms folder public)
+  get_filename_component(room ${folder} NAME)
+  set(subrooms ${ARGN})
+  file(GLOB_RECURSE files RELATIVE ${folder} ${folder}/*.h ${folder}/*.cpp)
+  foreach(file IN LISTS files)  # which sub-room holds the source of a public header
+    get_filename_component(stem ${file} NAME_WE)
+    string(REGEX REPLACE "/.*" "" subroom ${file})
+    if(file MATCHES "/.*\\.cpp$")
+      set(subroom_of_${stem} ${subroom})
+    endif()
+  endforeach()
+  foreach(file IN LISTS files)
+    get_filename_component(stem ${file} NAME_WE)
+    string(REGEX REPLACE "/.*" "" subroom ${file})
+    if(subroom STREQUAL "include")
+      set(subroom "${subroom_of_${stem}}")
+    elseif(NOT file MATCHES "/")
+      continue()  # the room's own face, on top of all sub-rooms
+    elseif(NOT subroom IN_LIST subrooms)
+      message(FATAL_ERROR "${room}/${file} lies in no sub-room of ${room}/CMakeLists.txt: ${subrooms}")
+    endif()
+    list(FIND subrooms "${subroom}" floor)
+    file(STRINGS ${folder}/${file} includes REGEX "^#include \"")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "^#include \"([^\"]*)\".*" "\\1" include "${include}")
+      set(other "")
+      if(include MATCHES "^rayfield/${public}/([a-z0-9_]+)\\.h$" AND NOT public STREQUAL "")
+        set(other "${subroom_of_${CMAKE_MATCH_1}}")
+      elseif(include MATCHES "^${room}/([a-z0-9_]+)/")
+        set(other ${CMAKE_MATCH_1})
+        if(file MATCHES "^include/")
+          message(FATAL_ERROR "${room}/${file}: a public header includes the private ${include}")
+        endif()
+      elseif(NOT include MATCHES "^rayfield/" AND include MATCHES "/")
+        message(FATAL_ERROR "${room}/${file} includes ${include}, which is private to another room")
+      endif()
+      list(FIND subrooms "${other}" other_floor)
+      if(floor GREATER -1 AND other_floor GREATER floor)
+        message(FATAL_ERROR "${room}/${file} includes ${include}: '${other}' stands above '${subroom}' (${subrooms})")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
 function(rayfield_room name)
   cmake_parse_arguments(ARG "" "" "SUBROOMS;SOURCES;USES;PUBLIC;PRIVATE" ${ARGN})
+  rayfield_check_subrooms(${CMAKE_CURRENT_SOURCE_DIR} ${name} ${ARG_SUBROOMS})
   foreach(used IN LISTS ARG_USES)
     if(NOT used IN_LIST RAYFIELD_MAY_USE_${name})
       message(FATAL_ERROR "room '${name}' may not use room '${used}' (cmake/RayfieldRoom.cmake)")

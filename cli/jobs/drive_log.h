@@ -33,7 +33,7 @@ bool is_log(const std::filesystem::path& path);
 /// A log that was read once: its longest segment between clock jumps is bound, its sensors are known to be there.
 struct OpenedLog {
   Rig rig;
-  slam::LogReader read;
+  LogReader read;
   formats::LogReport report;  ///< of that segment
   std::vector<std::string> warnings;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libdensity/pipeline/option_keys.h"
+#include "libdensity/voxels/canopy_profile_arrays.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/layout_arrays.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "rayfield/core/sensor_log.h"
-#include "rayfield/slam/unwarp.h"
 
 namespace rayfield::slam {
 

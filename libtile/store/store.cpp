@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cmath>
 #include <set>
 #include <system_error>
 
@@ -17,19 +16,11 @@
 #include "libtile/store/snapshot_json.h"
 #include "libtile/store/snapshot_log.h"
 #include "libtile/store/store_impl.h"
-#include "libtile/tile_file/tile_grid.h"
-#include "rayfield/core/map_frame.h"
 
 namespace rayfield::tile {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kLeastTile_m = 5, kLargestTile_m = 10000;
-
-bool whole_units(double metres) {
-  return std::isfinite(metres) && std::abs(metres * kUnitsPerMetre - std::round(metres * kUnitsPerMetre)) < 1e-6;
-}
 
 // A folder may become a store when it is empty or when an earlier attempt to make it one was interrupted.
 Result<void> check_free(const fs::path& folder) {
@@ -76,17 +67,6 @@ Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
 }
 
 }  // namespace
-
-Result<void> StoreConfig::validate() const {
-  if (const auto found = lookup_projected_crs(crs); !found) return tl::make_unexpected(found.error());
-  if (!whole_units(tile_size_m) || tile_size_m < kLeastTile_m || tile_size_m > kLargestTile_m)
-    return fail(ErrorCode::usage, "bad tile size", fmt::format("{} m", tile_size_m),
-                fmt::format("it must be {} to {} m and a multiple of 0.1 mm", kLeastTile_m, kLargestTile_m));
-  if (!whole_units(tile_margin_m) || tile_margin_m < 0 || tile_margin_m > tile_size_m / 4)
-    return fail(ErrorCode::usage, "bad tile margin", fmt::format("{} m", tile_margin_m),
-                "it must be 0 to a quarter of the tile size and a multiple of 0.1 mm");
-  return {};
-}
 
 Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
   RAYFIELD_CHECK(config.validate());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rayfield/tile/segments.h"
-#include "rayfield/tile/store.h"
+#include "rayfield/tile/store_config.h"
 
 /// Geometry in integers. Map coordinates are rounded once to 0.1 mm; which tile a point belongs to, and which tiles a
 /// ray crosses, is then decided on the same integers when tiles are written and when they are read.

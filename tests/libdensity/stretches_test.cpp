@@ -1,4 +1,5 @@
 #include "rayfield/density/stretches.h"
+#include "libdensity/voxels/canopy_profile_arrays.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
+
+#include "rayfield/core/result.h"
 
 namespace rayfield {
 
@@ -48,5 +51,8 @@ class SensorSink {
   virtual void spinner(const SpinnerAngle&) {}
   virtual void lidar(const LidarScan&) {}
 };
+
+/// Reads a whole log into a sink; called once per pass. (formats::read_log() bound to a path and a rig.)
+using LogReader = std::function<Result<void>(SensorSink&)>;
 
 }  // namespace rayfield

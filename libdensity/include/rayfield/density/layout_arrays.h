@@ -7,7 +7,6 @@
 #include "rayfield/density/canopy_map.h"
 #include "rayfield/density/posts.h"
 #include "rayfield/density/row_layout.h"
-#include "rayfield/density/stretches.h"
 #include "rayfield/tile/arrays.h"
 
 /// Stored forms of what leads to the lay-out of a block. All readers answer ErrorCode::damaged, naming what does not
@@ -25,9 +24,5 @@ Result<std::vector<Stem>> stems_from_arrays(const tile::ArraySet& arrays);
 /// Kind "canopy" version 1: one tile's canopy map.
 tile::ArraySet canopy_to_arrays(const CanopyTile& tile);
 Result<CanopyTile> canopy_from_arrays(const tile::ArraySet& arrays);
-
-/// Kind "profile" version 1: one tile's canopy profile.
-tile::ArraySet profile_to_arrays(const CanopyProfile& profile);
-Result<CanopyProfile> profile_from_arrays(const tile::ArraySet& arrays);
 
 }  // namespace rayfield::density

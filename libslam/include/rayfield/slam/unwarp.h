@@ -15,9 +15,6 @@
 
 namespace rayfield::slam {
 
-/// Reads a whole log into a sink; called once per pass. (formats::read_log bound to a path and a rig.)
-using LogReader = std::function<Result<void>(SensorSink&)>;
-
 /// Takes rays in the order in which they were measured.
 using RayTaker = std::function<Result<void>(const RayBatch&)>;
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "rayfield/core/result.h"
+#include "rayfield/density/stretches.h"
+#include "rayfield/tile/arrays.h"
+
+namespace rayfield::density {
+
+/// Stored form of a canopy profile, kind "profile" version 1.
+tile::ArraySet profile_to_arrays(const CanopyProfile& profile);
+/// Errors: damaged, naming what does not fit.
+Result<CanopyProfile> profile_from_arrays(const tile::ArraySet& arrays);
+
+}  // namespace rayfield::density
