@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "libslam/input/hand_over.h"
+#include "rayfield/core/bounded_queue.h"
 
 namespace rayfield::slam {
 namespace {
@@ -18,7 +18,7 @@ constexpr std::size_t kAhead = 8;             // batches that may wait
 
 using Message = std::variant<ImuSample, GpsFix, SpinnerAngle, LidarScan>;
 using Batch = std::vector<Message>;
-using Queue = HandOver<Batch>;
+using Queue = BoundedQueue<Batch>;
 
 void deliver(const Message& message, SensorSink& sink) {
   if (const auto* imu = std::get_if<ImuSample>(&message)) sink.imu(*imu);

@@ -4,8 +4,8 @@
 #include <optional>
 #include <thread>
 
-#include "libslam/input/hand_over.h"
 #include "libslam/input/read_ahead.h"
+#include "rayfield/core/bounded_queue.h"
 #include "rayfield/slam/unwarp.h"
 
 namespace rayfield::slam {
@@ -57,7 +57,7 @@ class UnwarpSource : public RaySource {
 
  private:
   void start() {
-    queue_ = std::make_unique<HandOver<RayBatch>>(kAhead);
+    queue_ = std::make_unique<BoundedQueue<RayBatch>>(kAhead);
     worker_ = std::thread([this] { queue_->end(produce()); });
   }
 
@@ -101,7 +101,7 @@ class UnwarpSource : public RaySource {
   SensorOffsets offsets_;
   std::string name_;
 
-  std::unique_ptr<HandOver<RayBatch>> queue_;  // while the log is read
+  std::unique_ptr<BoundedQueue<RayBatch>> queue_;  // while the log is read
   std::thread worker_;
   mutable std::mutex mutex_;
   UnwarpCounts counts_;  // guarded by mutex_

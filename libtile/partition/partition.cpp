@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
 #include "libtile/partition/tile_buffers.h"
 #include "rayfield/core/parallel.h"
@@ -262,10 +261,7 @@ void Pipeline::work() {
 }
 
 Result<void> Pipeline::run() {
-  std::vector<std::thread> workers;
-  for (int worker = 1; worker < threads_; ++worker) workers.emplace_back([this] { work(); });
-  work();
-  for (std::thread& worker : workers) worker.join();
+  parallel_team(threads_, [this](int) { work(); });
   if (error_) return tl::make_unexpected(*error_);
   return {};
 }

@@ -5,20 +5,26 @@
 
 #include "rayfield/core/result.h"
 
+/// Parallel work on OpenMP. OpenMP itself shows in no other file: its threads are had through these functions, which
+/// keep order, errors and results independent of their number. Inside a task they run in the calling thread.
 namespace rayfield {
 
 /// `requested` if positive, else the number of processors this process may use.
 int thread_count(int requested);
 
 /// Calls task(index, worker) for index 0…count-1 from up to `threads` workers (0 ≤ worker < threads), each index
-/// exactly once, indices taken in increasing order. Stops handing out indices at the first error and returns the
-/// error with the lowest index. `threads` ≤ 1 runs in the calling thread. Exceptions become ErrorCode::internal,
+/// exactly once, indices taken in increasing order. After an error no higher index is begun; the error with the lowest
+/// index is returned. `threads` ≤ 1 runs in the calling thread. Exceptions become ErrorCode::internal,
 /// std::bad_alloc becomes ErrorCode::resources.
 Result<void> parallel_for(std::size_t count, int threads,
                           const std::function<Result<void>(std::size_t index, int worker)>& task);
 
 /// The same for tasks that have no errors of their own. Throws what a task throws.
 void parallel_each(std::size_t count, int threads, const std::function<void(std::size_t index, int worker)>& task);
+
+/// Calls work(worker) once in each of up to `threads` workers, for work that shares itself out; returns when all have
+/// returned. There may be fewer workers than asked for. Throws what one of them throws.
+void parallel_team(int threads, const std::function<void(int worker)>& work);
 
 /// Ordered reduction: produce(i, worker) runs in parallel, consume(i) is called for i = 0, 1, 2 … in that order, one
 /// at a time, each after its produce(i). At most `window` items are produced ahead of the consumer, which bounds

@@ -9,19 +9,19 @@
 
 #include "rayfield/core/result.h"
 
-namespace rayfield::slam {
+namespace rayfield {
 
-/// A short queue from a thread that makes things to one that takes them.
+/// A queue of bounded length from one producing thread to one consuming thread.
 template <class T>
-class HandOver {
+class BoundedQueue {
  public:
-  /// At most `ahead` things wait.
-  explicit HandOver(std::size_t ahead) : ahead_(ahead) {}
+  /// At most `capacity` items wait.
+  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
   /// Waits for room. False once nobody will take it.
   bool push(T&& item) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return items_.size() < ahead_ || abandoned_; });
+    changed_.wait(lock, [this] { return items_.size() < capacity_ || abandoned_; });
     if (!abandoned_) items_.push_back(std::move(item));
     changed_.notify_all();
     return !abandoned_;
@@ -53,7 +53,7 @@ class HandOver {
   Result<void> result() const { return *result_; }
 
  private:
-  const std::size_t ahead_;
+  const std::size_t capacity_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<T> items_;                 // guarded by mutex_
@@ -61,4 +61,4 @@ class HandOver {
   bool abandoned_ = false;              // guarded by mutex_
 };
 
-}  // namespace rayfield::slam
+}  // namespace rayfield

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "rayfield/core/result.h"
+
+/// POSIX files with every return value checked. `what` opens error messages ("cannot read bag"), paths in them are as
+/// given.
+namespace rayfield {
+
+/// Owns a file descriptor.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : descriptor_(other.release()) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
+  ~FileDescriptor() { close(); }
+
+  int get() const { return descriptor_; }
+  bool valid() const { return descriptor_ >= 0; }
+  int release() { return std::exchange(descriptor_, -1); }
+  /// close(2) with its result: 0 or errno.
+  int close();
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// A regular file opened for reading, and its size at that moment.
+struct InputDescriptor {
+  FileDescriptor descriptor;
+  std::uint64_t size = 0;
+};
+
+/// Opens a regular file. Folders, pipes and devices are refused without waiting for them.
+/// Errors: bad_input (missing, not a regular file), resources (no permission).
+Result<InputDescriptor> open_regular_file(const std::string& path, std::string_view what, std::string_view next = {});
+
+/// Fills `bytes` from `offset` and returns how many came; fewer only at the end of the file.
+Result<std::size_t> read_at(const FileDescriptor& file, std::uint64_t offset, std::span<std::byte> bytes,
+                            std::string_view what, const std::string& path);
+/// Writes all bytes. Errors: as fail_errno().
+Result<void> write_at(const FileDescriptor& file, std::uint64_t offset, std::span<const std::byte> bytes,
+                      std::string_view what, const std::string& path, std::string_view next = {});
+
+/// Size and SHA-256 of what was read.
+struct FileDigest {
+  std::uint64_t size = 0;
+  std::string sha256;
+};
+/// Reads a regular file in pieces of 1 MiB; asks `cancelled` before each. Errors: as above, interrupted.
+Result<FileDigest> digest_file(const std::string& path, std::string_view what,
+                               const std::function<bool()>& cancelled = {});
+
+/// Makes the names in a folder durable. File systems that cannot sync folders (EINVAL) count as done.
+Result<void> sync_directory(const std::string& folder, std::string_view what, std::string_view next = {});
+
+}  // namespace rayfield
