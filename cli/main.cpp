@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/console/common_options.h"
 #include "cli/console/config_file.h"
 #include "cli/console/text.h"
@@ -49,7 +49,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("rayfield ") + rayfield::cli::kVersion);
   app.require_subcommand(1);
   rayfield::cli::Commands commands(app);
-  rayfield::cli::add_all_verbs(commands);
+  rayfield::cli::add_all_commands(commands);
 
   std::vector<std::string> arguments(argv + 1, argv + argc);
   // Before the options are known to be right, the word itself must do.

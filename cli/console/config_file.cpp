@@ -1,6 +1,7 @@
 #include "cli/console/config_file.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <toml++/toml.h>
 #include <algorithm>
@@ -38,6 +39,24 @@ Result<std::vector<std::string>> option_values(const toml::node& node, const std
   return values;
 }
 
+// Options of the algorithms (docs/options.md) in tables below the command's: [process.posts] min_contrast = 2.5 is
+// `--set posts.min_contrast=2.5`.
+Result<void> append_settings(const toml::table& table, const std::string& prefix, const std::string& path,
+                             std::vector<std::string>& out) {
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + std::string(key.str());
+    if (const toml::table* inner = node.as_table()) {
+      RAYFIELD_CHECK(append_settings(*inner, name + ".", path, out));
+      continue;
+    }
+    RAYFIELD_ASSIGN(const std::vector<std::string> values,
+                    option_values(node, fmt::format("{}:{}: '{}'", path, node.source().begin.line, name)));
+    const std::string value = node.is_array() ? fmt::format("[{}]", fmt::join(values, ",")) : values.front();
+    out.push_back(fmt::format("--set={}={}", name, value));
+  }
+  return {};
+}
+
 bool given(const std::vector<std::string>& arguments, const std::string& option) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& argument) {
     return argument == option || argument.rfind(option + "=", 0) == 0;
@@ -49,6 +68,10 @@ Result<void> append_table(const CLI::App& command, const toml::table& table, con
   for (const auto& [key, node] : table) {
     if (skip_tables && node.is_table()) continue;
     const std::string name(key.str());
+    if (node.is_table() && command.get_option_no_throw("--set") != nullptr) {
+      RAYFIELD_CHECK(append_settings(*node.as_table(), name + ".", path, out));
+      continue;
+    }
     const std::string where = fmt::format("{}:{}: '{}'", path, node.source().begin.line, name);
     const CLI::Option* option = command.get_option_no_throw("--" + name);
     if (option == nullptr || name == "config" || name == "help")

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "rayfield/core/file.h"
+
 namespace rayfield::cli {
 namespace {
 
@@ -21,16 +23,15 @@ Result<void> check_folder(const OutputPath& output) {
     return fail(ErrorCode::usage, output.what, output.path, fmt::format("there is no folder {}", folder.string()),
                 "make it, or give another " + output.option);
   std::string probe = (folder / ".rayfield-probe-XXXXXX").string();
-  const int file = ::mkstemp(probe.data());
+  const FileDescriptor file(::mkstemp(probe.data()));
   const int error = errno;
-  if (file < 0 && (error == ENOENT || error == ENOTDIR))  // a file system that takes no files, like /proc
+  if (!file.valid() && (error == ENOENT || error == ENOTDIR))  // a file system that takes no files, like /proc
     return fail(ErrorCode::resources, output.what, output.path,
                 fmt::format("no file can be made in {}", folder.string()), "give another " + output.option);
-  if (file < 0)
+  if (!file.valid())
     return fail_errno(
         error, output.what, output.path,
         fmt::format("check that {} can be written to, or give another {}", folder.string(), output.option));
-  ::close(file);
   ::unlink(probe.c_str());
   return {};
 }

@@ -1,15 +1,12 @@
 #include "cli/jobs/add_scan.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <memory>
 
 #include "cli/jobs/drive_log.h"
+#include "rayfield/core/file.h"
 #include "rayfield/core/parallel.h"
-#include "rayfield/core/sha256.h"
 #include "rayfield/density/missing_rays.h"
 #include "rayfield/formats/formats.h"
 
@@ -70,27 +67,10 @@ class JoinedSource : public RaySource {
 };
 
 // Size and SHA-256 of a file.
-Result<tile::InputEntry> describe_input(const fs::path& path) {
-  tile::InputEntry entry;
-  entry.name = path.filename().string();
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) return fail_errno(errno, "cannot read input", path.string(), "check the path");
-  Sha256 hash;
-  std::vector<std::byte> buffer(std::size_t{1} << 20);
-  while (true) {
-    const ssize_t count = ::read(file, buffer.data(), buffer.size());
-    if (count < 0) {
-      const int error = errno;
-      ::close(file);
-      return fail_errno(error, "cannot read input", path.string(), "check the file");
-    }
-    if (count == 0) break;
-    hash.update(std::span<const std::byte>(buffer.data(), static_cast<std::size_t>(count)));
-    entry.size += static_cast<std::uint64_t>(count);
-  }
-  ::close(file);
-  entry.sha256 = hash.hex();
-  return entry;
+Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& progress) {
+  RAYFIELD_ASSIGN(FileDigest digest,
+                  digest_file(path.string(), "cannot read input", [&progress] { return progress.cancelled(); }));
+  return tile::InputEntry{path.filename().string(), digest.size, std::move(digest.sha256)};
 }
 
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
@@ -98,8 +78,11 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
                                               std::vector<std::string>& warnings) {
   if (is_log(path)) {
     RAYFIELD_CHECK(require_rig(path, inputs));
+    slam::SlamOptions options;
+    options.threads = threads;
+    options.scratch = scratch.string();
     RAYFIELD_ASSIGN(RegisteredDrive drive,
-                    register_drive(path.string(), inputs.rig_file, crs, true, scratch, threads, progress));
+                    register_drive(path.string(), inputs.rig_file, crs, true, options, progress));
     for (const std::string& warning : drive.report.warnings) progress.warn(warning);
     for (const std::string& warning : all_warnings(drive))
       warnings.push_back(path.filename().string() + ": " + warning);
@@ -118,12 +101,12 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
 }
 
 // The rig decides what a log's rays are, so it is an input too.
-Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads) {
+Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress) {
   std::vector<fs::path> files = inputs.files;
   if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
   std::vector<tile::InputEntry> entries(files.size());
   RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
-    RAYFIELD_ASSIGN(entries[i], describe_input(files[i]));
+    RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
     return {};
   }));
   return entries;
@@ -138,7 +121,7 @@ Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
 }
 
 Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {
-  RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads));
+  RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads, progress));
   RAYFIELD_ASSIGN(auto there, store.find_added(options));
   if (there) return AddedScan{std::move(*there), {}};
   std::vector<std::unique_ptr<RaySource>> parts;

@@ -24,7 +24,7 @@ Result<void> require_rig(const std::filesystem::path& log, const ScanInputs& inp
 /// A scan that was added.
 struct AddedScan {
   tile::AddReport report;
-  std::vector<std::string> said;  ///< those of the report's warnings that the user was told when they arose
+  std::vector<std::string> shown_warnings;  ///< those of the report's warnings that were shown when they arose
 };
 
 /// Adds clouds and logs (which are registered first) to a store as one scan. `options.inputs` is filled here.

@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <fstream>
+#include <cstring>
 #include <optional>
 
+#include "rayfield/core/file.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
 
@@ -57,11 +59,10 @@ bool is_log(const std::filesystem::path& path) {
   for (const char* ending : {".bag", ".bag.active", ".db3", ".mcap"})
     if (name.ends_with(ending)) return true;
   constexpr std::string_view kMagic = "#ROSBAG V";
-  char head[kMagic.size()] = {};
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  std::ifstream(path, std::ios::binary).read(head, sizeof(head));
-  return std::string_view(head, sizeof(head)) == kMagic;
+  std::array<std::byte, kMagic.size()> head{};
+  const auto file = open_regular_file(path.string(), "cannot read");
+  if (!file || !read_at(file->descriptor, 0, head, "cannot read", path.string())) return false;
+  return std::memcmp(head.data(), kMagic.data(), kMagic.size()) == 0;
 }
 
 Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, const std::string& crs,
@@ -92,12 +93,8 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
 }
 
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
-                                       bool require_gps, const std::filesystem::path& scratch, int threads,
-                                       Progress& progress) {
+                                       bool require_gps, const slam::SlamOptions& options, Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
-  slam::SlamOptions options;
-  options.threads = threads;
-  options.scratch = scratch.string();
   if (const std::string gap = missing_position(opened); require_gps && !gap.empty())
     return fail(ErrorCode::bad_input, "cannot georeference log", log, gap,
                 "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");

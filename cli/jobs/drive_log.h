@@ -44,10 +44,9 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
                            Progress& progress);
 
 /// Runs SLAM over a log. `crs` empty: a local frame. A log without GPS gives a local frame too, or an error (bad_input)
-/// where `require_gps`. `scratch`: a folder for what does not fit in memory.
+/// where `require_gps`. `options.scratch`: a folder for what does not fit in memory.
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
-                                       bool require_gps, const std::filesystem::path& scratch, int threads,
-                                       Progress& progress);
+                                       bool require_gps, const slam::SlamOptions& options, Progress& progress);
 
 /// The rays of a log along a trajectory from elsewhere (TUM text of the IMU frame in `crs`).
 Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::string& rig_file,

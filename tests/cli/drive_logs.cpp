@@ -58,33 +58,8 @@ class Damager : public SensorSink {
 }  // namespace
 
 SimulatedLog simulate_drive(const Folder& folder) {
-  write_file(folder.path("site.toml"), R"([site]
-name = "drive"
-latitude_deg = 47.3
-longitude_deg = 8.4
-seed = 5
-[terrain]
-slope_percent = 3
-[rows]
-count = 2
-length_m = 14
-spacing_m = 2.5
-azimuth_deg = 70
-panel_length_m = 3.5
-[canopy]
-leaf_area_m2_per_m = 1.8
-[surroundings]
-trees = 1
-buildings = 0
-fence = false
-[spinning]
-beams = 143
-[[date]]
-date = "2021-07-01"
-leaf_fraction = 1.0
-seed = 2
-)");
-  const Outcome run = rayfield({"simulate", folder.path("site.toml"), "-o", folder.path("drive"), "--no-rays", "-q"});
+  const Outcome run =
+      rayfield({"simulate", small_site(folder, kLateDate), "-o", folder.path("drive"), "--no-rays", "-q"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return {folder.path("drive/2021-07-01/scan.bag"), folder.path("drive/2021-07-01/rig.toml")};
 }

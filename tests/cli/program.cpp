@@ -130,7 +130,7 @@ std::map<std::string, std::string> content_of(const fs::path& folder) {
   return content;
 }
 
-std::string small_site(const Folder& folder) {
+std::string small_site(const Folder& folder, const std::string& dates) {
   const std::string path = folder.path("site.toml");
   write_file(path, R"([site]
 name = "small"
@@ -153,15 +153,7 @@ buildings = 0
 fence = false
 [spinning]
 beams = 143
-[[date]]
-date = "2021-05-01"
-leaf_fraction = 0.4
-seed = 1
-[[date]]
-date = "2021-07-01"
-leaf_fraction = 1.0
-seed = 2
-)");
+)" + dates);
   return path;
 }
 

@@ -45,7 +45,11 @@ void write_file(const std::filesystem::path& path, const std::string& content);
 /// left out: they hold times and command lines.
 std::map<std::string, std::string> content_of(const std::filesystem::path& folder);
 
-/// A small block of two short rows at two dates, seconds to simulate; written as SITE.toml into the folder.
-std::string small_site(const Folder& folder);
+/// Dates of a site: with 40 % of its leaves, and with all.
+inline const std::string kEarlyDate = "[[date]]\ndate = \"2021-05-01\"\nleaf_fraction = 0.4\nseed = 1\n";
+inline const std::string kLateDate = "[[date]]\ndate = \"2021-07-01\"\nleaf_fraction = 1.0\nseed = 2\n";
+
+/// A small block of two short rows, seconds to simulate; written as site.toml into the folder. Returns its path.
+std::string small_site(const Folder& folder, const std::string& dates = kEarlyDate + kLateDate);
 
 }  // namespace rayfield::test

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/jobs/export_block.h"
 
 namespace rayfield::cli {
@@ -36,7 +36,7 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
 
 }  // namespace
 
-void add_export_verb(Commands& commands) {
+void add_export_command(Commands& commands) {
   const auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = commands.add("export", "Write the products of a processed block",
                                    "rayfield export myblock -o maps --date 2019-02-11",

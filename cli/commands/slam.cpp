@@ -4,7 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
+#include "cli/console/option_settings.h"
 #include "cli/console/output_paths.h"
 #include "cli/console/text.h"
 #include "cli/jobs/drive_log.h"
@@ -17,6 +18,7 @@ namespace {
 
 struct SlamArguments {
   std::string log, rig, crs, cloud, trajectory, report, picture, given;
+  std::vector<std::string> settings;
 };
 
 Result<void> check_paths(const SlamArguments& arguments, bool overwrite) {
@@ -69,15 +71,19 @@ std::filesystem::path scratch_beside(const std::string& output) {
   return folder.empty() ? "." : folder;
 }
 
-Result<Outcome> run_slam_verb(const SlamArguments& arguments, const Context& context) {
+Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& context) {
   RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));
   if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));
   RAYFIELD_CHECK(formats::PlyWriteOptions{arguments.crs}.validate());
+  slam::SlamOptions options;
+  RAYFIELD_CHECK(apply_settings(arguments.settings, options));
+  options.threads = context.options.threads;
+  options.scratch = scratch_beside(arguments.cloud).string();
+  RAYFIELD_CHECK(options.validate());
   if (context.options.dry_run) return describe_slam(arguments, context.progress);
   auto registered =
       arguments.given.empty()
-          ? register_drive(arguments.log, arguments.rig, arguments.crs, false, scratch_beside(arguments.cloud),
-                           context.options.threads, context.progress)
+          ? register_drive(arguments.log, arguments.rig, arguments.crs, false, options, context.progress)
           : follow_trajectory(arguments.log, arguments.rig, arguments.given, arguments.crs, context.progress);
   if (!registered) return tl::make_unexpected(std::move(registered).error());
   RegisteredDrive& drive = *registered;
@@ -111,12 +117,12 @@ Result<Outcome> run_slam_verb(const SlamArguments& arguments, const Context& con
 
 }  // namespace
 
-void add_slam_verb(Commands& commands) {
+void add_slam_command(Commands& commands) {
   const auto arguments = std::make_shared<SlamArguments>();
   CLI::App* command =
       commands.add("slam", "Register a log: from lidar, IMU and GPS to a georeferenced ray cloud",
                    "rayfield slam scan.bag --rig rig.toml --crs EPSG:7854 -o scan.ply --report scan.json",
-                   [arguments](Context& context) { return run_slam_verb(*arguments, context); });
+                   [arguments](Context& context) { return run_slam_command(*arguments, context); });
   command->add_option("LOG", arguments->log, "ROS 1 bag")->required();
   command->add_option("--rig", arguments->rig, "Rig file (docs/rig.md)")->required();
   command->add_option("--crs", arguments->crs, "Projected CRS of the ray cloud (default: a local frame)");
@@ -126,6 +132,7 @@ void add_slam_verb(Commands& commands) {
   command->add_option("--picture", arguments->picture, "Write a plan view of trajectory, GPS and point density (PNG)");
   command->add_option("--use-trajectory", arguments->given,
                       "Do not estimate: take this trajectory (TUM text of the IMU frame)");
+  add_settings_option(*command, arguments->settings);
 }
 
 }  // namespace rayfield::cli

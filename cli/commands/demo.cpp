@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/jobs/add_scan.h"
 #include "cli/jobs/export_block.h"
@@ -78,7 +78,7 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
 
 }  // namespace
 
-void add_demo_verb(Commands& commands) {
+void add_demo_command(Commands& commands) {
   const auto folder = std::make_shared<std::string>();
   CLI::App* command =
       commands.add("demo", "Simulate a small vineyard at three dates, map it, and say where the maps lie",

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <optional>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
+#include "cli/console/option_settings.h"
 #include "cli/console/text.h"
 #include "rayfield/density/density.h"
 
@@ -11,21 +13,31 @@ namespace {
 
 struct ProcessArguments {
   std::string store;
-  density::ProcessOptions options;
-  double panel_length_m = 0;
-  std::optional<double> voxel_m;
-  std::string estimator = "unbiased", leaf_angles = "spherical";
+  std::vector<std::string> dates, settings;
+  // What the command line gives by flags of their own; it wins over `settings`.
+  std::optional<double> voxel_m, leaf_size_m2, ellipsoid_ratio, sure_return_m, panel_length_m, raster_cell_m;
+  std::optional<std::string> estimator, leaf_angles;
 };
 
 Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, const Context& context) {
-  density::ProcessOptions options = arguments.options;
+  density::ProcessOptions options;
+  RAYFIELD_CHECK(apply_settings(arguments.settings, options));
   if (arguments.voxel_m) {
     options.stretches = density::with_voxel_size(options.stretches, *arguments.voxel_m);
     options.voxel_fit.enabled = false;
   }
-  if (arguments.panel_length_m > 0) options.posts.panel_length_m = arguments.panel_length_m;
-  RAYFIELD_ASSIGN(options.estimator.estimator, density::parse_estimator(arguments.estimator));
-  RAYFIELD_ASSIGN(options.voxels.leaf_angles.type, density::parse_leaf_angle_type(arguments.leaf_angles));
+  if (arguments.panel_length_m) options.posts.panel_length_m = arguments.panel_length_m;
+  if (arguments.leaf_size_m2) options.estimator.leaf_area_m2 = *arguments.leaf_size_m2;
+  if (arguments.ellipsoid_ratio) options.voxels.leaf_angles.ellipsoid_ratio = *arguments.ellipsoid_ratio;
+  if (arguments.sure_return_m) options.voxels.sure_return_m = *arguments.sure_return_m;
+  if (arguments.raster_cell_m) options.plan.cell_m = *arguments.raster_cell_m;
+  if (arguments.estimator) {
+    RAYFIELD_ASSIGN(options.estimator.estimator, density::parse_estimator(*arguments.estimator));
+  }
+  if (arguments.leaf_angles) {
+    RAYFIELD_ASSIGN(options.voxels.leaf_angles.type, density::parse_leaf_angle_type(*arguments.leaf_angles));
+  }
+  options.dates = arguments.dates;
   options.threads = context.options.threads;
   options.memory_bytes = context.options.memory_bytes;
   options.redo = context.options.overwrite;
@@ -75,42 +87,34 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
 
 }  // namespace
 
-void add_process_verb(Commands& commands) {
+void add_process_command(Commands& commands) {
   const auto arguments = std::make_shared<ProcessArguments>();
   CLI::App* command =
       commands.add("process", "Ground, rows, panels, voxels and density; only what changed", "rayfield process myblock",
                    [arguments](Context& context) { return run_process(*arguments, context); });
-  density::ProcessOptions& options = arguments->options;
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
-  command->add_option("--date", options.dates, "Only these dates or scans (default: all)");
+  command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
   command->add_option("--voxel-size", arguments->voxel_m,
                       "Side of a voxel, m (default: fitted to the leaves, 0.06 to 0.12)");
-  command->add_option("--estimator", arguments->estimator, "unbiased, or paper (the published method)")
-      ->capture_default_str();
-  command
-      ->add_option("--leaf-area", options.estimator.leaf_area_m2,
-                   "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan")
-      ->capture_default_str();
-  command
-      ->add_option("--leaf-angles", arguments->leaf_angles,
-                   "Leaf angle distribution: spherical, uniform, planophile, erectophile, plagiophile, extremophile, "
-                   "ellipsoidal")
-      ->capture_default_str();
-  command
-      ->add_option("--ellipsoid-ratio", options.voxels.leaf_angles.ellipsoid_ratio,
-                   "Of ellipsoidal leaf angles: horizontal over vertical semi-axis")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--sure-return", options.voxels.sure_return_m,
-          "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack those "
-          "that came back from nowhere; 0: count all, as is done where a scan holds them")
-      ->capture_default_str();
+  command->add_option("--estimator", arguments->estimator, "unbiased (the default), or paper (the published method)");
+  command->add_option("--leaf-area", arguments->leaf_size_m2,
+                      "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan (the default)");
+  command->add_option("--leaf-angles", arguments->leaf_angles,
+                      "Leaf angle distribution: spherical (the default), uniform, planophile, erectophile, "
+                      "plagiophile, extremophile, ellipsoidal");
+  command->add_option("--ellipsoid-ratio", arguments->ellipsoid_ratio,
+                      "Of ellipsoidal leaf angles: horizontal over vertical semi-axis (default: 1)");
+  command->add_option(
+      "--sure-return", arguments->sure_return_m,
+      "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack those that came "
+      "back from nowhere; 0: count all, as is done where a scan holds them");
   command
       ->add_option("--panel-length", arguments->panel_length_m,
                    "Length of a panel, m (default: between the posts found)")
       ->check(CLI::Range(0.5, 200.0));
-  command->add_option("--raster-cell", options.plan.cell_m, "Cell of the maps, m")->capture_default_str();
+  command->add_option("--raster-cell", arguments->raster_cell_m,
+                      fmt::format("Cell of the maps, m (default: {})", density::PlanRasterOptions().cell_m));
+  add_settings_option(*command, arguments->settings);
 }
 
 }  // namespace rayfield::cli

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/jobs/add_scan.h"
 #include "cli/jobs/drive_log.h"
@@ -77,13 +77,14 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
                              report.tile_count, bytes_text(report.bytes_written));
   for (const std::string& warning : report.warnings)
-    if (std::find(added.said.begin(), added.said.end(), warning) == added.said.end()) context.progress.warn(warning);
+    if (std::find(added.shown_warnings.begin(), added.shown_warnings.end(), warning) == added.shown_warnings.end())
+      context.progress.warn(warning);
   return outcome;
 }
 
 }  // namespace
 
-void add_add_verb(Commands& commands) {
+void add_add_command(Commands& commands) {
   const auto arguments = std::make_shared<AddArguments>();
   CLI::App* command =
       commands.add("add", "Tile a scan into the store", "rayfield add myblock scan.ply --date 2019-02-11",

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/jobs/simulation.h"
 
@@ -74,7 +74,7 @@ Result<Outcome> run_simulate(SimulateArguments arguments, const Context& context
 
 }  // namespace
 
-void add_simulate_verb(Commands& commands) {
+void add_simulate_command(Commands& commands) {
   const auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = commands.add(
       "simulate", "Simulate a vineyard: logs, rig files, ray clouds with true poses, and truth, a folder per date",

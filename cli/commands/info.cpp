@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "cli/commands/verbs.h"
+#include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/jobs/drive_log.h"
 #include "rayfield/core/date.h"
@@ -150,7 +150,7 @@ Result<Outcome> run_info(const std::string& path, const Context& context) {
 
 }  // namespace
 
-void add_info_verb(Commands& commands) {
+void add_info_command(Commands& commands) {
   const auto path = std::make_shared<std::string>();
   CLI::App* command = commands.add(
       "info",

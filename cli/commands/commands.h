@@ -1,0 +1,29 @@
+#pragma once
+
+#include "cli/console/common_options.h"
+
+/// The commands of `rayfield` (docs/commands.md), one file each: what they take, which job they do, what they say.
+namespace rayfield::cli {
+
+/// Each declares one command with its options and its work.
+void add_demo_command(Commands& commands);
+void add_simulate_command(Commands& commands);
+void add_slam_command(Commands& commands);
+void add_init_command(Commands& commands);
+void add_add_command(Commands& commands);
+void add_process_command(Commands& commands);
+void add_export_command(Commands& commands);
+void add_verify_command(Commands& commands);
+void add_status_command(Commands& commands);
+void add_log_command(Commands& commands);
+void add_gc_command(Commands& commands);
+void add_info_command(Commands& commands);
+void add_options_command(Commands& commands);
+
+/// What a store holds: `status`, and `info` of a store.
+Result<Outcome> store_status(const std::string& folder);
+
+/// Declares all of them, in the order of `rayfield --help`.
+void add_all_commands(Commands& commands);
+
+}  // namespace rayfield::cli

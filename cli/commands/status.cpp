@@ -1,0 +1,70 @@
+#include <fmt/core.h>
+
+#include "cli/commands/commands.h"
+#include "cli/commands/store_command.h"
+#include "cli/console/text.h"
+#include "rayfield/core/date.h"
+#include "rayfield/tile/tile.h"
+
+namespace rayfield::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json scan_json(const tile::ScanEntry& scan) {
+  std::uint64_t bytes = 0, segments = 0;
+  for (const tile::TileEntry& entry : scan.tiles) {
+    segments += entry.segment_count;
+    bytes += entry.file.size;
+    for (const tile::FileEntry& file : entry.more_files) bytes += file.size;
+  }
+  ordered_json derived = ordered_json::object();
+  for (const tile::DerivedEntry& entry : scan.derived) derived[entry.kind] = derived.value(entry.kind, 0) + 1;
+  return {
+      {"scan_id", scan.scan_id},
+      {"date", scan.date},
+      {"name", scan.name},
+      {"start_utc", utc_text(scan.start_time_s)},
+      {"end_utc", utc_text(scan.end_time_s)},
+      {"rays", scan.ray_count},
+      {"hits", scan.hit_count},
+      {"segments", segments},
+      {"tiles", scan.tiles.size()},
+      {"ray_bytes", bytes},
+      {"bytes_per_ray", scan.ray_count > 0 ? static_cast<double>(bytes) / static_cast<double>(scan.ray_count) : 0.0},
+      {"derived", derived},
+      {"warnings", scan.warnings}};
+}
+
+}  // namespace
+
+Result<Outcome> store_status(const std::string& folder) {
+  RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(folder));
+  RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  Outcome outcome;
+  outcome.data = {{"store", folder},
+                  {"block", store.block_name()},
+                  {"crs", store.config().crs},
+                  {"tile_size_m", store.config().tile_size_m},
+                  {"snapshot", snapshot.number},
+                  {"scans", ordered_json::array()}};
+  outcome.text = fmt::format("{}: {}, {} scan{}, snapshot {}\n", store.block_name(), store.config().crs,
+                             snapshot.scans.size(), snapshot.scans.size() == 1 ? "" : "s", snapshot.number);
+  for (const tile::ScanEntry& scan : snapshot.scans) {
+    const ordered_json entry = scan_json(scan);
+    outcome.text +=
+        fmt::format("  {}  {} rays in {} tiles, {} ({:.1f} B/ray){}\n", scan.scan_id, grouped(scan.ray_count),
+                    scan.tiles.size(), bytes_text(entry["ray_bytes"].get<std::uint64_t>()),
+                    entry["bytes_per_ray"].get<double>(), scan.derived.empty() ? ", not processed" : ", processed");
+    for (const std::string& warning : scan.warnings) outcome.text += fmt::format("    note: {}\n", warning);
+    outcome.data["scans"].push_back(entry);
+  }
+  return outcome;
+}
+
+void add_status_command(Commands& commands) {
+  add_store_command(commands, "status", "What a store holds",
+                    [](const std::string& folder, Context&) { return store_status(folder); });
+}
+
+}  // namespace rayfield::cli

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rayfield/core/option_fields.h"
+#include "rayfield/core/result.h"
+
+namespace rayfield::cli {
+
+/// The options of an algorithm that have no flag of their own (docs/options.md): `--set KEY=VALUE`, or tables below the
+/// command's in a configuration file ([process.posts] min_contrast = 2.5).
+void add_settings_option(CLI::App& command, std::vector<std::string>& settings);
+
+/// "true" and "false", numbers, lists of numbers in brackets; all else is text.
+OptionValue parse_option_value(const std::string& text);
+
+/// "key=value" cut at the first '='. Errors: usage.
+Result<std::pair<std::string, OptionValue>> parse_setting(const std::string& setting);
+
+/// Applies settings in their order. Errors: usage, with the key.
+template <class Options>
+Result<void> apply_settings(const std::vector<std::string>& settings, Options& options) {
+  for (const std::string& setting : settings) {
+    RAYFIELD_ASSIGN(const auto parsed, parse_setting(setting));
+    RAYFIELD_CHECK(set_option(options, parsed.first, parsed.second, "bad --set"));
+  }
+  return {};
+}
+
+}  // namespace rayfield::cli
