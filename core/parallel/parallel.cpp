@@ -96,6 +96,32 @@ class OrderedWork {
   std::map<std::size_t, Error> errors_;  // by index; the lowest counts
 };
 
+// What a team shares.
+struct Team {
+  const std::function<void(int worker)>& work;
+  std::mutex mutex = {};
+  std::exception_ptr thrown = {};  // guarded by mutex while the team runs
+};
+
+// One member of the team.
+__attribute__((noinline)) void run_worker(Team& team, int worker) {
+  tsan::after_fork();
+  try {
+    team.work(worker);
+  } catch (...) {
+    const std::scoped_lock lock(team.mutex);
+    if (!team.thrown) team.thrown = std::current_exception();
+  }
+  tsan::before_join();
+}
+
+// The one parallel region. What the compiler passes to it is read before any mark can be set: it is left out of
+// ThreadSanitizer's sight.
+RAYFIELD_NO_TSAN void run_team(Team& team, int threads) {
+#pragma omp parallel num_threads(threads)
+  run_worker(team, omp_get_thread_num());
+}
+
 }  // namespace
 
 int thread_count(int requested) {
@@ -108,22 +134,11 @@ int thread_count(int requested) {
 
 void parallel_team(int threads, const std::function<void(int worker)>& work) {
   if (threads <= 1) return work(0);
-  std::mutex mutex;
-  std::exception_ptr thrown;
+  Team team{work};
   tsan::before_fork();
-#pragma omp parallel num_threads(threads)
-  {
-    tsan::after_fork();
-    try {
-      work(omp_get_thread_num());
-    } catch (...) {
-      const std::scoped_lock lock(mutex);
-      if (!thrown) thrown = std::current_exception();
-    }
-    tsan::before_join();
-  }
+  run_team(team, threads);
   tsan::after_join();
-  if (thrown) std::rethrow_exception(thrown);
+  if (team.thrown) std::rethrow_exception(team.thrown);
 }
 
 Result<void> parallel_for(std::size_t count, int threads, const std::function<Result<void>(std::size_t, int)>& task) {
@@ -135,13 +150,9 @@ Result<void> parallel_for(std::size_t count, int threads, const std::function<Re
   std::atomic<std::size_t> lowest_failed = count;
   std::mutex mutex;
   std::map<std::size_t, Error> errors;
-  tsan::before_fork();
-#pragma omp parallel num_threads(threads)
-  {
-    tsan::after_fork();
-    const int worker = omp_get_thread_num();
-    // Indices are handed out in increasing order. What comes before a failure is still done, so that the error with the
-    // lowest index is found whatever the timing.
+  parallel_team(threads, [&](int worker) {
+  // Indices are handed out in increasing order. What comes before a failure is still done, so that the error with the
+  // lowest index is found whatever the timing.
 #pragma omp for schedule(monotonic : dynamic, 1) nowait
     for (std::size_t i = 0; i < count; ++i) {
       if (i > lowest_failed.load(std::memory_order_relaxed)) continue;
@@ -151,9 +162,7 @@ Result<void> parallel_for(std::size_t count, int threads, const std::function<Re
       errors.emplace(i, std::move(result).error());
       lowest_failed = errors.begin()->first;
     }
-    tsan::before_join();
-  }
-  tsan::after_join();
+  });
   if (!errors.empty()) return tl::make_unexpected(errors.begin()->second);
   return {};
 }

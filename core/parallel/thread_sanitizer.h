@@ -5,6 +5,9 @@
 /// tell it. They cost nothing in other builds.
 #if defined(__SANITIZE_THREAD__)
 #include <sanitizer/tsan_interface.h>
+#define RAYFIELD_NO_TSAN __attribute__((noinline, no_sanitize("thread")))
+#else
+#define RAYFIELD_NO_TSAN
 #endif
 
 namespace rayfield::tsan {

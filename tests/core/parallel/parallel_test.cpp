@@ -6,6 +6,7 @@
 #include <atomic>
 #include <new>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace rayfield {
@@ -54,6 +55,67 @@ TEST(ParallelEach, ThrowsWhatATaskThrows) {
                                  if (k == 20) throw std::bad_alloc();
                                }),
                  std::bad_alloc);
+}
+
+TEST(ParallelFor, BeginsNothingAfterTheLowestErrorAndFinishesWhatComesBeforeIt) {
+  for (int run = 0; run < 50; ++run) {
+    std::vector<std::atomic<int>> calls(2000);
+    const Result<void> result = parallel_for(calls.size(), 4, [&](std::size_t i, int) -> Result<void> {
+      ++calls[i];
+      if (i == 700 || i == 300) return fail(ErrorCode::usage, "stop", std::to_string(i), "");
+      return {};
+    });
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().where, "300");
+    for (std::size_t i = 0; i < 300; ++i) EXPECT_EQ(calls[i], 1);
+  }
+}
+
+TEST(ParallelFor, RunsInTheCallingThreadInsideATask) {
+  std::vector<std::atomic<int>> calls(40);
+  ASSERT_TRUE(parallel_for(4, 4, [&](std::size_t i, int) {
+    return parallel_for(10, 4, [&, i](std::size_t k, int) -> Result<void> {
+      ++calls[10 * i + k];
+      return {};
+    });
+  }));
+  for (const auto& count : calls) EXPECT_EQ(count, 1);
+}
+
+TEST(ParallelTeam, EveryWorkerIsCalledOnceAndWhatOneThrowsIsThrown) {
+  for (const int threads : {1, 2, 5}) {
+    std::vector<std::atomic<int>> calls(5);
+    parallel_team(threads, [&](int worker) { ++calls[static_cast<std::size_t>(worker)]; });
+    int workers = 0;
+    for (const auto& count : calls) {
+      EXPECT_LE(count, 1);
+      workers += count;
+    }
+    EXPECT_GE(workers, 1);
+    EXPECT_LE(workers, threads);
+    EXPECT_THROW(parallel_team(threads, [](int) { throw std::runtime_error("no"); }), std::runtime_error);
+  }
+}
+
+TEST(ParallelOrdered, AddsUpTheSameAtAnyThreadCount) {
+  // Floating-point sums depend on their order: equal bits show that the order is kept.
+  const auto sum = [](int threads) {
+    std::vector<double> parts(3000);
+    double total = 0;
+    EXPECT_TRUE(parallel_ordered(
+        parts.size(), threads, 16,
+        [&](std::size_t i, int) -> Result<void> {
+          parts[i] = 1.0 / static_cast<double>(i + 1);
+          return {};
+        },
+        [&](std::size_t i) -> Result<void> {
+          total += parts[i];
+          return {};
+        }));
+    return total;
+  };
+  const double expected = sum(1);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(sum(threads), expected);
 }
 
 TEST(ParallelOrdered, ConsumesInOrderAndKeepsWithinItsWindow) {
