@@ -44,6 +44,8 @@ Error usage_error(const CLI::App& app, const std::vector<std::string>& arguments
           fmt::format("see `rayfield {} --help`", command->get_name())};
 }
 
+// Declares the commands, puts a configuration file's options into the arguments, runs the one that was asked for, and
+// prints what it says: an error as one line, with --json as one document too.
 int run(int argc, char** argv) {
   CLI::App app{"rayfield: lidar drives through vineyards and orchards to canopy density maps", "rayfield"};
   app.set_version_flag("--version", std::string("rayfield ") + rayfield::cli::kVersion);

@@ -41,6 +41,7 @@ Result<Outcome> describe_add(const tile::Store& store, const ScanInputs& inputs,
   return outcome;
 }
 
+// Adds the scan, then says what became of it: warnings that were shown while the inputs were read are not said twice.
 Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   tile::AddOptions options;
   RAYFIELD_ASSIGN(options.date, parse_date(arguments.date));

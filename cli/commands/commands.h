@@ -2,7 +2,7 @@
 
 #include "cli/console/common_options.h"
 
-/// The commands of `rayfield` (docs/commands.md), one file each: what they take, which job they do, what they say.
+/// commands: those of `rayfield` (docs/commands.md), one file each: what it takes, which job it does, what it says.
 namespace rayfield::cli {
 
 /// Each declares one command with its options and its work.

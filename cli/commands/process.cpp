@@ -44,6 +44,7 @@ Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, co
   return options;
 }
 
+// Processes the store and reports per scan; a dry run only names the scans.
 Result<Outcome> run_process(const ProcessArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(const density::ProcessOptions options, options_of(arguments, context));
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));

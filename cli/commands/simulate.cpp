@@ -36,6 +36,7 @@ Result<void> select_dates(const std::vector<std::string>& wanted, sim::Site& sit
   return {};
 }
 
+// Nothing is simulated before it is known that every date's folder is free: a simulation takes minutes.
 Result<Outcome> run_simulate(SimulateArguments arguments, const Context& context) {
   RAYFIELD_ASSIGN(sim::Site site, sim::read_site(arguments.site));
   RAYFIELD_CHECK(select_dates(arguments.dates, site));

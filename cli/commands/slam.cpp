@@ -71,6 +71,8 @@ std::filesystem::path scratch_beside(const std::string& output) {
   return folder.empty() ? "." : folder;
 }
 
+// Paths, CRS and options are checked before the log is read. The cloud is streamed; what the run says of itself
+// follows.
 Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& context) {
   RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));
   if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));

@@ -10,6 +10,7 @@
 #include "cli/console/progress_reporter.h"
 #include "rayfield/core/result.h"
 
+/// console: what every command shares at the terminal: common options, configuration files, settings, progress, text.
 namespace rayfield::cli {
 
 /// What every command takes.

@@ -94,6 +94,7 @@ Result<void> append_table(const CLI::App& command, const toml::table& table, con
 
 }  // namespace
 
+// Finds --config by itself, since the arguments can only be parsed once the file's options are among them.
 Result<std::vector<std::string>> expand_config(const CLI::App& app, std::vector<std::string> arguments) {
   std::string path;
   for (std::size_t i = 0; i < arguments.size(); ++i) {

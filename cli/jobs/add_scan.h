@@ -8,6 +8,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
 
+/// jobs: pieces of work that several commands need, put together from the libraries: a scan added, a log registered, a
+/// block exported, a site simulated.
 namespace rayfield::cli {
 
 /// What `rayfield add` is given.
