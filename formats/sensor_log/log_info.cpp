@@ -6,9 +6,12 @@
 #include <map>
 #include <utility>
 
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/point_cloud2.h"
+#include "formats/rosbag/ros_decode.h"
+#include "formats/rosbag/ros_definitions.h"
 #include "formats/sensor_log/coverage.h"
 #include "formats/sensor_log/log_statistics.h"
+#include "formats/sensor_log/read_progress.h"
 #include "formats/sensor_log/sensor_topics.h"
 
 namespace rayfield::formats {
@@ -17,8 +20,8 @@ namespace {
 constexpr const char* kWhat = "cannot inspect log";
 
 /// Statistics of one topic; those of a sensor exist where the type is one that rayfield reads.
-struct TopicAccount {
-  explicit TopicAccount(const BagConnection& connection) {
+struct TopicStatistics {
+  explicit TopicStatistics(const BagConnection& connection) {
     info.topic = connection.topic;
     info.type = connection.type;
     info.raw_packets = is_raw_packets(connection.type);
@@ -121,9 +124,9 @@ void add_joint_problems(const LogInfo& info, std::vector<std::string>& lines) {
   bool turns = false;
   for (const JointInfo& joint : info.joints) {
     turns = turns || joint.turns();
-    if (joint.turns() && joint.longest_still_s > kTolerated_s) {
-      lines.push_back(
-          fmt::format("{}: joint '{}' stands still for {:.1f} s", joint.topic, joint.joint, joint.longest_still_s));
+    if (joint.turns() && joint.longest_stationary_s > kTolerated_s) {
+      lines.push_back(fmt::format("{}: joint '{}' stands still for {:.1f} s", joint.topic, joint.joint,
+                                  joint.longest_stationary_s));
     }
   }
   if (turns || info.joints.empty()) return;
@@ -197,37 +200,33 @@ Result<LogInfo> inspect_log(const std::string& path, const LogOptions& options) 
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(BagReader bag, BagReader::open(path, options.bag));
   // By topic and type: several publishers of one topic are one topic.
-  std::map<std::pair<std::string, std::string>, TopicAccount> accounts;
-  const auto account_of = [&](const BagConnection& connection) -> TopicAccount& {
-    return accounts.try_emplace({connection.topic, connection.type}, connection).first->second;
+  std::map<std::pair<std::string, std::string>, TopicStatistics> topics;
+  const auto statistics_of = [&](const BagConnection& connection) -> TopicStatistics& {
+    return topics.try_emplace({connection.topic, connection.type}, connection).first->second;
   };
   RecordClock clock;
   BagMessage message;
-  std::uint64_t reported = 0;
+  ReadProgress progress(options.progress);
   const BagConnection* last_connection = nullptr;
-  TopicAccount* account = nullptr;
+  TopicStatistics* topic = nullptr;
   for (;;) {
     RAYFIELD_ASSIGN(const bool more, bag.next(message));
     if (!more) break;
     clock.advance(message.record_time_ns, options);
-    if (message.connection != last_connection) account = &account_of(*message.connection);
+    if (message.connection != last_connection) topic = &statistics_of(*message.connection);
     last_connection = message.connection;
-    account->add(message, clock.passed_ns, options);
-    if (options.progress != nullptr && bag.position() >= reported + (std::uint64_t{1} << 20)) {
-      options.progress->advance(bag.position() - reported);
-      reported = bag.position();
-      if (options.progress->cancelled())
-        return fail(ErrorCode::interrupted, kWhat, path, "stopped by the user", "run the same command again");
-    }
+    topic->add(message, clock.passed_ns, options);
+    if (!progress.advance(bag.position()))
+      return fail(ErrorCode::interrupted, kWhat, path, "stopped by the user", "run the same command again");
   }
-  for (const BagConnection& connection : bag.connections()) account_of(connection);
+  for (const BagConnection& connection : bag.connections()) statistics_of(connection);
   LogInfo info;
   info.bag = bag.summary();
   info.first_record_s = seconds_from_ns(clock.first_ns);
   info.last_record_s = seconds_from_ns(clock.latest_ns);
   info.duration_s = seconds_from_ns(clock.passed_ns);
   info.record_clock_jumps = clock.jumps;
-  for (auto& [key, each] : accounts) {
+  for (auto& [key, each] : topics) {
     each.stamps.report(each.info);
     info.topics.push_back(each.info);
     if (each.info.messages == 0) continue;

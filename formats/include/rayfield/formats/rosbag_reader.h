@@ -28,7 +28,7 @@ struct BagMessage {
   std::uint64_t offset = 0;         ///< of its record in the file, or of its chunk where that is compressed
 };
 
-/// A stretch of the file whose messages could not be read.
+/// Part of the file whose messages could not be read.
 struct BagLoss {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;         ///< on disk, bytes missing behind the end of a cut file included where known
