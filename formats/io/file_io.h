@@ -1,5 +1,8 @@
 #pragma once
 
+/// io: bytes in and out of files, whatever the format: reading at any offset, files that appear whole or not at all,
+/// little-endian numbers, and text made safe to store.
+
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -61,6 +61,8 @@ std::string product_title(std::string_view product) {
   return std::string(product);
 }
 
+/// Both bars have whole pixels and square ends that turn into triangles where values go beyond the scale; the number of
+/// ticks follows from the length.
 void vertical_bar(Canvas& canvas, const ColorScale& scale, const Vector2d& corner, const Vector2d& size,
                   const BarEnds& ends, double unit_px) {
   const auto width = static_cast<int>(std::lround(size.x())), height = static_cast<int>(std::lround(size.y()));
@@ -96,6 +98,7 @@ void vertical_bar(Canvas& canvas, const ColorScale& scale, const Vector2d& corne
   }
 }
 
+/// As vertical_bar(), turned by 90°.
 void horizontal_bar(Canvas& canvas, const ColorScale& scale, const Vector2d& corner, const Vector2d& size,
                     const BarEnds& ends, double unit_px) {
   const auto width = static_cast<int>(std::lround(size.x())), height = static_cast<int>(std::lround(size.y()));

@@ -1,5 +1,7 @@
 #pragma once
 
+/// picture: maps and vertical sections as PNG, and the colour scales of all products.
+
 #include <Eigen/Core>
 #include <string>
 #include <string_view>

@@ -163,6 +163,8 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes) {
   return bad_line(number, "the header has no end_header");
 }
 
+/// Coordinates and start vectors may be float or double and stand anywhere in the row, but each three next to each
+/// other.
 Result<RayColumns> find_ray_columns(const PlyHeader& header) {
   const auto bad = [](const std::string& why, std::string_view next = {}) {
     return fail(ErrorCode::bad_input, kWhat, "header", why, next);

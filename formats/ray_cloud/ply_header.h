@@ -1,5 +1,7 @@
 #pragma once
 
+/// ray_cloud: rays in PLY files, in the layout of raycloudtools.
+
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -1,5 +1,7 @@
 #pragma once
 
+/// rosbag: the container of ROS 1 bags, and the serialisation of the messages that rayfield reads and writes.
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -61,6 +61,7 @@ uint16 SERVICE_GALILEO = 8
 uint16 service
 )";
 
+/// The texts as rosbag stores them; the md5sums hold for these and no others.
 const std::array<RosDefinition, 5>& definitions() {
   static const std::array<RosDefinition, 5> all = {{{"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369",
                                                      with(R"(Header header

@@ -162,7 +162,6 @@ bool BagReader::Impl::deliver(const BagHeader& header, std::span<const std::byte
     return false;
   }
   const std::int64_t time = *header.time_ns;
-  if (summary.messages == 0) summary.first_record_time_ns = time;
   const std::int64_t step = summary.messages == 0 ? 0 : time - summary.last_record_time_ns;
   if (step > 0 && step < kLongestStep_ns && !open_loss) recorded_ns += step;
   if (open_loss) {
@@ -247,6 +246,8 @@ Result<void> BagReader::Impl::skip_chunk(std::uint64_t start, const BagRecord& r
   return recover(start, record.data_offset, reason);
 }
 
+/// Begins with a chunk: an uncompressed one is read record by record where it lies, so that its size does not matter; a
+/// compressed one is decompressed whole, within the limits, or left out.
 Result<void> BagReader::Impl::open_chunk(std::uint64_t start, const BagRecord& record) {
   ++summary.chunks;
   const std::string compression(record.header.compression);

@@ -135,6 +135,7 @@ std::uint32_t BagWriter::add_connection(const std::string& topic, const std::str
   return id;
 }
 
+/// Appends to the chunk in memory and to its index, and writes both out once the chunk is full.
 Result<void> BagWriter::write(std::uint32_t connection, std::int64_t record_time_ns, std::span<const std::byte> data) {
   const std::string& path = impl_->file.path();
   if (connection >= impl_->connections.size()) {

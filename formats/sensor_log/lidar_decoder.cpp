@@ -99,6 +99,8 @@ Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message,
   return state_since(before);
 }
 
+/// Takes every point that has a time. Shots without a return come in two kinds: those with a place count by their
+/// range, those without (gaps) get their direction from the other beams once the whole sweep is known.
 Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns) {
   const std::optional<PointCloud2View> cloud = decode_point_cloud2(message);
   if (!cloud) return DecodeState::undecodable;

@@ -134,7 +134,7 @@ void add_joint_problems(const LogInfo& info, std::vector<std::string>& lines) {
                               info.joints.front().topic, info.joints.front().joint, info.joints.front().travelled_rad));
 }
 
-/// Sensors that are not awake together. Clock jumps make spans meaningless.
+/// Sensors that begin or end apart from the others. Clock jumps make spans meaningless.
 void add_coverage_problems(const LogInfo& info, std::vector<std::string>& lines) {
   constexpr double kGps_s = 5.0;
   std::vector<SensorSpan> spans;
@@ -148,6 +148,7 @@ void add_coverage_problems(const LogInfo& info, std::vector<std::string>& lines)
   for (std::string& line : coverage_problems(spans)) lines.push_back(std::move(line));
 }
 
+/// What the values of the sensors give away: missing times, units that are wrong, sensors that saw nothing.
 void add_sensor_problems(const LogInfo& info, std::vector<std::string>& lines) {
   constexpr double kImplausible_rad_s = 10;  // of a vehicle between vines
   for (const LidarInfo& lidar : info.lidars) {
@@ -196,6 +197,7 @@ std::vector<std::string> LogInfo::problems() const {
   return lines;
 }
 
+/// One pass over the messages; the statistics of each topic take constant memory.
 Result<LogInfo> inspect_log(const std::string& path, const LogOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(BagReader bag, BagReader::open(path, options.bag));

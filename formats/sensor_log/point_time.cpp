@@ -17,6 +17,8 @@ constexpr std::array<std::string_view, 8> kTimeNames = {"time",        "t",     
 
 }  // namespace
 
+/// Drivers agree neither on the field's name nor on its unit: integers are nanoseconds after the stamp, and the unit of
+/// floating-point times follows from their size.
 Result<PointTime> PointTime::find(const PointCloud2View& cloud, std::int64_t stamp_ns) {
   PointTime time;
   const PointFieldView* field = nullptr;

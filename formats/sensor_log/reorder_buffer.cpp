@@ -151,6 +151,8 @@ Result<void> ReorderBuffer::release(std::int64_t ripe_before_ns, std::size_t kee
   }
 }
 
+/// Takes the earliest message of a topic out of its heap and delivers it, unless it is too late, a duplicate, or of a
+/// segment that nobody asked for.
 Result<void> ReorderBuffer::pop(SensorKind kind) {
   Topic& from = topic(kind);
   std::pop_heap(from.heap.begin(), from.heap.end(), later);

@@ -1,5 +1,8 @@
 #pragma once
 
+/// sensor_log: from messages to the sensors of a rig: their topics, order, decoding and regularity, and back into a
+/// log.
+
 #include <array>
 #include <cstdint>
 #include <functional>

@@ -146,6 +146,8 @@ Result<void> LogOptions::validate() const {
   return {};
 }
 
+/// Bag → router (which sensor is it?) → reorder buffer → dispatcher (decode, count) → sink. What the log lacks is
+/// checked as early as the bag can tell, and again when all messages have been seen.
 Result<LogReport> read_log(const std::string& path, const Rig& rig, SensorSink& sink, const LogOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(BagReader bag, BagReader::open(path, options.bag));

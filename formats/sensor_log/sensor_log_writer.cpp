@@ -131,6 +131,7 @@ Result<void> SensorLogWriter::scan(double time_s, const ScanPattern& pattern, st
   return impl_->write(topic, time_s);
 }
 
+/// The layout of the points is fixed (kPointStep), whatever the scan holds: missing columns are written as zeros.
 Result<void> SensorLogWriter::points(const LidarScan& scan, std::span<const std::uint16_t> ring) {
   const std::size_t count = scan.range_m.size();
   if (scan.direction.size() != count || scan.time_offset_s.size() != count ||

@@ -53,7 +53,7 @@ TEST(RosbagReader, DeliversMessagesOfUncompressedChunksInFileOrder) {
   EXPECT_THAT(bag.messages, ElementsAre("/a@10000000005:one", "/b@11000000000:two", "/a@12999999999:"));
   EXPECT_EQ(bag.summary.chunks, 2U);
   EXPECT_EQ(bag.summary.complete_chunks, 2U);
-  EXPECT_TRUE(bag.summary.undamaged());
+  EXPECT_EQ(bag.summary.loss_count + bag.summary.orphan_messages, 0U);
   EXPECT_FALSE(bag.summary.indexed);
 }
 
@@ -101,7 +101,7 @@ TEST(RosbagReader, ReadsTheChunkThatAKilledRecorderWasStillFilling) {
   const ReadBag bag = read_all(bag_header() + chunk(connection_a() + message(0, 1, 0, "one")) + chunk("") +
                                message(0, 2, 0, "two") + message(0, 3, 0, "three"));
   EXPECT_THAT(bag.messages, ElementsAre("/a@1000000000:one", "/a@2000000000:two", "/a@3000000000:three"));
-  EXPECT_TRUE(bag.summary.undamaged());
+  EXPECT_EQ(bag.summary.loss_count + bag.summary.orphan_messages, 0U);
 }
 
 TEST(RosbagReader, TellsTheLossOfAClosedBagThatWasCutBetweenTwoChunks) {
@@ -164,7 +164,7 @@ TEST(RosbagReader, CountsMessagesWhoseConnectionIsUnknown) {
   const ReadBag bag = read_all(bag_header() + chunk(message(7, 1, 0, "lost") + connection_a() + message(0, 2, 0, "x")));
   EXPECT_EQ(bag.messages.size(), 1U);
   EXPECT_EQ(bag.summary.orphan_messages, 1U);
-  EXPECT_FALSE(bag.summary.undamaged());
+  EXPECT_GT(bag.summary.loss_count + bag.summary.orphan_messages, 0U);
 }
 
 TEST(RosbagReader, TakesConnectionsFromTheEndOfAClosedBagWhenTheFirstChunkIsDamaged) {
