@@ -80,6 +80,12 @@ Result<FileDigest> digest_file(const std::string& path, std::string_view what, c
   return digest;
 }
 
+Result<void> sync_file(const FileDescriptor& file, std::string_view what, const std::string& path,
+                       std::string_view next) {
+  if (::fsync(file.get()) != 0) return fail_errno(errno, what, path, next);
+  return {};
+}
+
 Result<void> sync_directory(const std::string& folder, std::string_view what, std::string_view next) {
   const std::string path = folder.empty() ? "." : folder;
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));

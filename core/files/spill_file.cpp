@@ -5,69 +5,66 @@
 
 #include <cerrno>
 #include <string>
+#include <utility>
 
 namespace rayfield {
 namespace {
 
-tl::unexpected<Error> failed(int error_number, std::string_view what, const std::filesystem::path& directory) {
-  auto error = fail_errno(error_number, what, directory.string(),
-                          error_number == ENOSPC || error_number == EDQUOT
-                              ? "free some disk space and run the same command again"
-                              : "check that files can be made there");
-  error.value().code = ErrorCode::resources;
-  return error;
+constexpr std::string_view kFreeSpace = "free some disk space and run the same command again";
+
+/// The same error, whatever the system called it, as one of resources.
+tl::unexpected<Error> of_resources(Error error) {
+  error.code = ErrorCode::resources;
+  return tl::make_unexpected(std::move(error));
+}
+
+tl::unexpected<Error> failed(int error_number, std::string_view what, const std::filesystem::path& directory,
+                             std::string_view next) {
+  return of_resources(fail_errno(error_number, what, directory.string(), next).value());
 }
 
 }  // namespace
 
-SpillFile::~SpillFile() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Result<void> SpillFile::open() {
   const std::lock_guard lock(mutex_);
-  if (file_ >= 0) return {};
+  if (file_.valid()) return {};
   std::string path = (directory_ / "rayfield-XXXXXX").string();
-  file_ = ::mkostemp(path.data(), O_CLOEXEC);
-  if (file_ < 0 || ::unlink(path.c_str()) != 0) return failed(errno, "cannot create a temporary file", directory_);
+  file_ = FileDescriptor(::mkostemp(path.data(), O_CLOEXEC));
+  if (!file_.valid() || ::unlink(path.c_str()) != 0)
+    return failed(errno, "cannot create a temporary file", directory_,
+                  errno == ENOSPC || errno == EDQUOT ? kFreeSpace : "check that files can be made there");
   return {};
 }
 
 Result<SpillFile::Extent> SpillFile::append(std::span<const std::byte> bytes) {
   RAYFIELD_CHECK(open());
   const Extent extent{end_.fetch_add(bytes.size()), bytes.size()};
-  for (std::uint64_t at = extent.offset; !bytes.empty();) {
-    const ssize_t n = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return failed(errno, "cannot write a temporary file", directory_);
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-    at += static_cast<std::uint64_t>(n);
-  }
+  Result<void> written =
+      write_at(file_, extent.offset, bytes, "cannot write a temporary file", directory_.string(), kFreeSpace);
+  if (!written) return of_resources(std::move(written).error());
   return extent;
 }
 
 Result<void> SpillFile::read(const Extent& extent, std::span<std::byte> bytes) const {
-  for (std::uint64_t at = extent.offset; !bytes.empty();) {
-    const ssize_t n = ::pread(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return failed(n < 0 ? errno : EIO, "cannot read a temporary file", directory_);
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-    at += static_cast<std::uint64_t>(n);
-  }
+  constexpr std::string_view kWhat = "cannot read a temporary file";
+  Result<std::size_t> got = read_at(file_, extent.offset, bytes, kWhat, directory_.string());
+  if (!got) return of_resources(std::move(got).error());
+  if (*got < bytes.size()) return fail(ErrorCode::resources, kWhat, directory_.string(), "it is shorter than written");
   return {};
 }
 
 Result<void> SpillFile::take(const Extent& extent, std::span<std::byte> bytes) {
   RAYFIELD_CHECK(read(extent, bytes));
   // Whole blocks only are freed, and not on every file system: it saves space and nothing depends on it.
-  static_cast<void>(::fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(extent.offset),
-                                static_cast<off_t>(extent.size)));
+  static_cast<void>(::fallocate(file_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+                                static_cast<off_t>(extent.offset), static_cast<off_t>(extent.size)));
   return {};
 }
 
 Result<void> SpillFile::clear() {
   end_ = 0;
-  if (file_ >= 0 && ::ftruncate(file_, 0) != 0) return failed(errno, "cannot shorten a temporary file", directory_);
+  if (file_.valid() && ::ftruncate(file_.get(), 0) != 0)
+    return failed(errno, "cannot shorten a temporary file", directory_, kFreeSpace);
   return {};
 }
 

@@ -4,14 +4,13 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "formats/gis/gdal_session.h"
+#include "formats/gis/measured_columns.h"
 #include "formats/io/guard.h"
 #include "formats/io/staged_output.h"
 #include "formats/io/text_escape.h"
@@ -20,21 +19,6 @@ namespace rayfield::formats {
 namespace {
 
 constexpr std::string_view geojson_error = "cannot write GeoJSON", csv_error = "cannot write CSV";
-
-/// The measured columns of a panel on a date, in the order of `panel_by_date`; ray_count follows as an integer.
-std::array<std::pair<const char*, double>, 11> measured(const PanelValue& v) {
-  return {{{"plant_area_m2", v.plant_area_m2},
-           {"leaf_area_m2", v.leaf_area_m2},
-           {"leaf_area_per_m", v.leaf_area_per_m},
-           {"lai", v.lai},
-           {"se_leaf_area_m2", v.se_leaf_area_m2},
-           {"ci_low_m2", v.ci_low_m2},
-           {"ci_high_m2", v.ci_high_m2},
-           {"canopy_height_m", v.canopy_height_m},
-           {"canopy_width_m", v.canopy_width_m},
-           {"gap_fraction", v.gap_fraction},
-           {"observed_fraction", v.observed_fraction}}};
-}
 
 /// The shortest text that reads back as the same double.
 std::string number(double value, std::string_view undefined) {
@@ -81,7 +65,8 @@ std::string properties(const PanelProduct& panel, const PanelValue* value) {
                   json_string(panel.panel_uid), panel.row_number, panel.panel_number, number(panel.length_m, "null"));
   if (value == nullptr) return text;
   text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
-  for (const auto& [name, measure] : measured(*value)) text += fmt::format(",\"{}\":{}", name, number(measure, "null"));
+  for (const MeasuredColumn& column : measured_columns)
+    text += fmt::format(",\"{}\":{}", column.name, number(value->*column.value, "null"));
   return text + fmt::format(",\"ray_count\":{}", value->ray_count);
 }
 
@@ -111,7 +96,7 @@ Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, 
 
 std::string panels_csv(const BlockProducts& block) {
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
-  for (const auto& [name, unused] : measured({})) text += fmt::format(",{}", name);
+  for (const MeasuredColumn& column : measured_columns) text += fmt::format(",{}", column.name);
   text += ",ray_count\n";
   std::map<std::string, const PanelProduct*> panels;
   for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
@@ -122,7 +107,7 @@ std::string panels_csv(const BlockProducts& block) {
       const PanelProduct& panel = *found->second;
       text += fmt::format("{},{},{},{},{},{}", csv_escape(value.panel_uid), panel.row_number, panel.panel_number,
                           number(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
-      for (const auto& [name, measure] : measured(value)) text.append(",").append(number(measure, ""));
+      for (const MeasuredColumn& column : measured_columns) text.append(",").append(number(value.*column.value, ""));
       text += fmt::format(",{}\n", value.ray_count);
     }
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+/// gis: products for other software, written through GDAL: GeoTIFF, GeoPackage, GeoJSON and CSV.
+
 #include <cpl_error.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>

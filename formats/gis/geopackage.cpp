@@ -44,9 +44,9 @@ Result<void> fill_new_file(GdalSession& gdal, OGRSpatialReference& crs, const Bl
   creation.SetNameValue("VERSION", "1.2");
   DatasetPtr dataset(driver->Create(file.c_str(), 0, 0, 0, GDT_Unknown, creation.List()));
   if (dataset == nullptr) return gdal.failure(what, target);
-  const gpkg::Filling filling{*dataset, gdal, crs, target};
+  const gpkg::OpenGeoPackage package{*dataset, gdal, crs, target};
   dataset->StartTransaction();
-  RAYFIELD_CHECK(gpkg::fill_tables(filling, block));
+  RAYFIELD_CHECK(gpkg::fill_tables(package, block));
   if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(what, target);
   dataset.reset();
   if (gdal.failed()) return gdal.failure(what, target);
@@ -58,9 +58,9 @@ Result<void> finish_file(GdalSession& gdal, OGRSpatialReference& crs, const Bloc
                          const std::string& file, const std::string& target) {
   DatasetPtr dataset(GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE | GDAL_OF_VERBOSE_ERROR));
   if (dataset == nullptr) return gdal.failure(what, target);
-  const gpkg::Filling filling{*dataset, gdal, crs, target};
+  const gpkg::OpenGeoPackage package{*dataset, gdal, crs, target};
   dataset->StartTransaction();
-  RAYFIELD_CHECK(gpkg::finish(filling, block, time_of_change(block)));
+  RAYFIELD_CHECK(gpkg::finish(package, block, time_of_change(block)));
   if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(what, target);
   dataset.reset();
   if (gdal.failed()) return gdal.failure(what, target);

@@ -11,28 +11,28 @@
 namespace rayfield::formats::gpkg {
 namespace {
 
-Result<void> execute(const Filling& filling, const std::string& sql) {
-  OGRLayer* rows = filling.dataset.ExecuteSQL(sql.c_str(), nullptr, nullptr);
-  if (rows != nullptr) filling.dataset.ReleaseResultSet(rows);
-  if (filling.gdal.failed()) return filling.gdal.failure(what, filling.target);
+Result<void> execute(const OpenGeoPackage& package, const std::string& sql) {
+  OGRLayer* rows = package.dataset.ExecuteSQL(sql.c_str(), nullptr, nullptr);
+  if (rows != nullptr) package.dataset.ReleaseResultSet(rows);
+  if (package.gdal.failed()) return package.gdal.failure(what, package.target);
   return {};
 }
 
 /// The schema extension (GeoPackage 1.2, annex F.9) and the description of every column.
-Result<void> describe_columns(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_CHECK(execute(filling,
+Result<void> describe_columns(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_CHECK(execute(package,
                          "CREATE TABLE gpkg_data_columns (table_name TEXT NOT NULL, column_name TEXT NOT NULL, "
                          "name TEXT, title TEXT, description TEXT, mime_type TEXT, constraint_name TEXT, "
                          "CONSTRAINT pk_gdc PRIMARY KEY (table_name, column_name), "
                          "CONSTRAINT gdc_tn UNIQUE (table_name, name))"));
-  RAYFIELD_CHECK(execute(filling,
+  RAYFIELD_CHECK(execute(package,
                          "CREATE TABLE gpkg_data_column_constraints (constraint_name TEXT NOT NULL, "
                          "constraint_type TEXT NOT NULL, value TEXT, min NUMERIC, min_is_inclusive BOOLEAN, "
                          "max NUMERIC, max_is_inclusive BOOLEAN, description TEXT, "
                          "CONSTRAINT gdcc_ntv UNIQUE (constraint_name, constraint_type, value))"));
   for (const char* table : {"gpkg_data_columns", "gpkg_data_column_constraints"}) {
     RAYFIELD_CHECK(execute(
-        filling, fmt::format("INSERT INTO gpkg_extensions (table_name, column_name, extension_name, definition, scope) "
+        package, fmt::format("INSERT INTO gpkg_extensions (table_name, column_name, extension_name, definition, scope) "
                              "VALUES ('{}', NULL, 'gpkg_schema', "
                              "'http://www.geopackage.org/spec121/#extension_schema', 'read-write')",
                              table)));
@@ -43,7 +43,7 @@ Result<void> describe_columns(const Filling& filling, const BlockProducts& block
   for (const Table& table : tables) {
     for (const Column& column : table.columns) {
       RAYFIELD_CHECK(execute(
-          filling,
+          package,
           fmt::format("INSERT INTO gpkg_data_columns (table_name, column_name, description) VALUES ({}, {}, {})",
                       sql_literal(table.name), sql_literal(column.name), sql_literal(column.description))));
     }
@@ -52,7 +52,7 @@ Result<void> describe_columns(const Filling& filling, const BlockProducts& block
 }
 
 /// GDAL and QGIS take a view for a layer once it has a unique integer first column named OGC_FID and is registered.
-Result<void> create_view(const Filling& filling, const std::string& time) {
+Result<void> create_view(const OpenGeoPackage& package, const std::string& time) {
   const Table view = panel_by_date_view();
   const Table panel = panel_table();
   std::string columns;
@@ -61,15 +61,15 @@ Result<void> create_view(const Filling& filling, const std::string& time) {
     for (const Column& own : panel.columns) of_panel = of_panel || own.name == column.name;
     columns += fmt::format(", {}.{} AS {}", of_panel ? "p" : "v", column.name, column.name);
   }
-  RAYFIELD_CHECK(execute(filling, fmt::format("CREATE VIEW panel_by_date AS SELECT v.fid AS OGC_FID, p.geom AS geom{} "
+  RAYFIELD_CHECK(execute(package, fmt::format("CREATE VIEW panel_by_date AS SELECT v.fid AS OGC_FID, p.geom AS geom{} "
                                               "FROM panel_value AS v JOIN panel AS p ON p.panel_uid = v.panel_uid",
                                               columns)));
   RAYFIELD_CHECK(execute(
-      filling, fmt::format("INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, "
+      package, fmt::format("INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, "
                            "min_x, min_y, max_x, max_y, srs_id) SELECT {0}, 'features', {0}, {1}, {2}, "
                            "min_x, min_y, max_x, max_y, srs_id FROM gpkg_contents WHERE table_name = 'panel'",
                            sql_literal(view.name), sql_literal(view.description), sql_literal(time))));
-  return execute(filling,
+  return execute(package,
                  "INSERT INTO gpkg_geometry_columns (table_name, column_name, geometry_type_name, srs_id, z, m) "
                  "SELECT 'panel_by_date', 'geom', 'POLYGON', srs_id, 0, 0 FROM gpkg_geometry_columns "
                  "WHERE table_name = 'panel'");
@@ -97,7 +97,7 @@ std::vector<Style> styles(const BlockProducts& block) {
 }
 
 /// The table that QGIS looks in for default styles; its column names and widths are QGIS's own.
-Result<void> add_styles(const Filling& filling, const BlockProducts& block, const std::string& time) {
+Result<void> add_styles(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
   const Table table{"layer_styles",
                     "Styles of the layers (QGIS)",
                     wkbNone,
@@ -113,7 +113,7 @@ Result<void> add_styles(const Filling& filling, const BlockProducts& block, cons
                      {"owner", OFTString, {}},
                      {"ui", OFTString, {}},
                      {"update_time", OFTDateTime, {}}}};
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, table, "id"));
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, table, "id"));
   OGRField changed;
   const bool has_time = OGRParseDate(time.c_str(), &changed, 0);
   changed.Date.TZFlag = 100;
@@ -130,19 +130,19 @@ Result<void> add_styles(const Filling& filling, const BlockProducts& block, cons
     row.SetField("description", style.name.c_str());
     row.SetField("owner", "rayfield");
     if (has_time) row.SetField(row.GetFieldIndex("update_time"), &changed);
-    if (layer->CreateFeature(&row) != OGRERR_NONE) return filling.gdal.failure(what, filling.target);
+    if (layer->CreateFeature(&row) != OGRERR_NONE) return package.gdal.failure(what, package.target);
   }
   return {};
 }
 
 }  // namespace
 
-Result<void> finish(const Filling& filling, const BlockProducts& block, const std::string& time) {
-  RAYFIELD_CHECK(execute(filling, "CREATE INDEX idx_panel_value_panel ON panel_value (panel_uid, scan_date)"));
-  RAYFIELD_CHECK(execute(filling, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
-  RAYFIELD_CHECK(create_view(filling, time));
-  RAYFIELD_CHECK(describe_columns(filling, block));
-  return add_styles(filling, block, time);
+Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
+  RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_panel_value_panel ON panel_value (panel_uid, scan_date)"));
+  RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
+  RAYFIELD_CHECK(create_view(package, time));
+  RAYFIELD_CHECK(describe_columns(package, block));
+  return add_styles(package, block, time);
 }
 
 Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockProducts& block,

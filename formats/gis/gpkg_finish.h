@@ -8,7 +8,7 @@ namespace rayfield::formats::gpkg {
 
 /// Adds to the filled tables what SQL must say: column descriptions (schema extension), indices, the view
 /// `panel_by_date`, and `layer_styles`. `time`: the time of change that the file records.
-Result<void> finish(const Filling& filling, const BlockProducts& block, const std::string& time);
+Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time);
 
 /// Integrity and numbers of rows of the finished file.
 Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockProducts& block,

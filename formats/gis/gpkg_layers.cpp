@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "formats/gis/measured_columns.h"
 #include "formats/io/text_escape.h"
 #include "rayfield/core/date.h"
 
@@ -67,37 +68,38 @@ class Row {
   int column_ = 0;
 };
 
-Result<void> check_finite(const Filling& filling, const std::vector<Eigen::Vector2d>& points, const std::string& of) {
+Result<void> check_finite(const OpenGeoPackage& package, const std::vector<Eigen::Vector2d>& points,
+                          const std::string& of) {
   for (const Eigen::Vector2d& p : points) {
     if (!p.allFinite())
-      return fail(ErrorCode::internal, what, filling.target, of + " has a coordinate that is not finite");
+      return fail(ErrorCode::internal, what, package.target, of + " has a coordinate that is not finite");
   }
   return {};
 }
 
-Result<void> check_written(const Filling& filling, bool written) {
-  if (written && !filling.gdal.failed()) return {};
-  return filling.gdal.failure(what, filling.target);
+Result<void> check_written(const OpenGeoPackage& package, bool written) {
+  if (written && !package.gdal.failed()) return {};
+  return package.gdal.failure(what, package.target);
 }
 
-Result<void> fill_rows(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, vine_row_table()));
+Result<void> fill_rows(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, vine_row_table()));
   for (const RowProduct& row : block.rows) {
-    RAYFIELD_CHECK(check_finite(filling, row.centreline, "row " + std::to_string(row.row_number)));
+    RAYFIELD_CHECK(check_finite(package, row.centreline, "row " + std::to_string(row.row_number)));
     Row out(*layer);
     out.text(row.row_uid).integer(row.row_number).real(row.length_m).real(row.spacing_m);
     OGRLineString line;
     for (const Eigen::Vector2d& p : row.centreline) line.addPoint(p.x(), p.y());
     if (row.centreline.size() >= 2) out.geometry(line);
-    RAYFIELD_CHECK(check_written(filling, out.write()));
+    RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
 }
 
 /// The panel's outline as a polygon; an outline of fewer than three corners gives none.
-Result<void> set_outline(const Filling& filling, const PanelProduct& panel, Row& out) {
+Result<void> set_outline(const OpenGeoPackage& package, const PanelProduct& panel, Row& out) {
   const std::string of = "panel " + std::to_string(panel.row_number) + "/" + std::to_string(panel.panel_number);
-  RAYFIELD_CHECK(check_finite(filling, panel.outline, of));
+  RAYFIELD_CHECK(check_finite(package, panel.outline, of));
   if (panel.outline.size() < 3) return {};
   OGRLinearRing ring;
   for (const Eigen::Vector2d& p : panel.outline) ring.addPoint(p.x(), p.y());
@@ -108,79 +110,77 @@ Result<void> set_outline(const Filling& filling, const PanelProduct& panel, Row&
   return {};
 }
 
-Result<void> fill_panels(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, panel_table()));
+Result<void> fill_panels(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, panel_table()));
   for (const PanelProduct& panel : block.panels) {
     Row out(*layer);
     out.text(panel.panel_uid).integer(panel.row_number).integer(panel.panel_number).real(panel.length_m);
     out.real(panel.chainage_start_m).real(panel.chainage_end_m);
-    RAYFIELD_CHECK(set_outline(filling, panel, out));
-    RAYFIELD_CHECK(check_written(filling, out.write()));
+    RAYFIELD_CHECK(set_outline(package, panel, out));
+    RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
 }
 
-Result<void> fill_posts(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, post_table()));
+Result<void> fill_posts(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, post_table()));
   for (const PostProduct& post : block.posts) {
-    RAYFIELD_CHECK(check_finite(filling, {post.position}, "a post of row " + std::to_string(post.row_number)));
+    RAYFIELD_CHECK(check_finite(package, {post.position}, "a post of row " + std::to_string(post.row_number)));
     Row out(*layer);
     out.text(post.post_uid).integer(post.row_number).real(post.chainage_m).real(post.ground_m).real(post.height_m);
     out.integer(post.detected ? 1 : 0).geometry(OGRPoint(post.position.x(), post.position.y()));
-    RAYFIELD_CHECK(check_written(filling, out.write()));
+    RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
 }
 
-Result<void> fill_scans(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, scan_table()));
+Result<void> fill_scans(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, scan_table()));
   for (const ScanResults& results : block.scans) {
     const ScanProduct& scan = results.scan;
     RAYFIELD_CHECK(parse_date(scan.scan_date));
     Row out(*layer);
     out.text(scan.scan_id).date(scan.scan_date).text(scan.name).time(scan.start_utc).time(scan.end_utc);
     out.integer(static_cast<std::int64_t>(scan.ray_count));
-    RAYFIELD_CHECK(check_written(filling, out.write()));
+    RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
 }
 
-Result<void> fill_panel_values(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, panel_value_table()));
+Result<void> fill_panel_values(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, panel_value_table()));
   for (const ScanResults& results : block.scans) {
     for (const PanelValue& v : results.panel_values) {
       RAYFIELD_CHECK(parse_date(v.scan_date));
       Row out(*layer);
       out.text(v.panel_uid).text(v.scan_id).date(v.scan_date);
-      out.real(v.plant_area_m2).real(v.leaf_area_m2).real(v.leaf_area_per_m).real(v.lai);
-      out.real(v.se_leaf_area_m2).real(v.ci_low_m2).real(v.ci_high_m2);
-      out.real(v.canopy_height_m).real(v.canopy_width_m).real(v.gap_fraction).real(v.observed_fraction);
+      for (const MeasuredColumn& column : measured_columns) out.real(v.*column.value);
       out.integer(v.ray_count);
-      RAYFIELD_CHECK(check_written(filling, out.write()));
+      RAYFIELD_CHECK(check_written(package, out.write()));
     }
   }
   return {};
 }
 
-Result<void> fill_row_metres(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, row_metre_table()));
+Result<void> fill_row_metres(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, row_metre_table()));
   for (const ScanResults& results : block.scans) {
     for (const RowMetreProduct& metre : results.row_metres) {
       RAYFIELD_CHECK(parse_date(metre.scan_date));
       RAYFIELD_CHECK(
-          check_finite(filling, {metre.position}, "a half metre of row " + std::to_string(metre.row_number)));
+          check_finite(package, {metre.position}, "a half metre of row " + std::to_string(metre.row_number)));
       Row out(*layer);
       out.integer(metre.row_number).real(metre.chainage_m).text(metre.scan_id).date(metre.scan_date);
       out.real(metre.leaf_area_per_m).real(metre.plant_area_per_m);
       out.geometry(OGRPoint(metre.position.x(), metre.position.y()));
-      RAYFIELD_CHECK(check_written(filling, out.write()));
+      RAYFIELD_CHECK(check_written(package, out.write()));
     }
   }
   return {};
 }
 
-Result<void> fill_panel_wide(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(filling, panel_wide_table(block)));
+Result<void> fill_panel_wide(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, panel_wide_table(block)));
   std::vector<std::map<std::string, double>> by_scan(block.scans.size());
   for (std::size_t i = 0; i < block.scans.size(); ++i) {
     for (const PanelValue& value : block.scans[i].panel_values) by_scan[i][value.panel_uid] = value.leaf_area_per_m;
@@ -192,24 +192,24 @@ Result<void> fill_panel_wide(const Filling& filling, const BlockProducts& block)
       const auto found = values.find(panel.panel_uid);
       out.real(found == values.end() ? std::nan("") : found->second);
     }
-    RAYFIELD_CHECK(set_outline(filling, panel, out));
-    RAYFIELD_CHECK(check_written(filling, out.write()));
+    RAYFIELD_CHECK(set_outline(package, panel, out));
+    RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
 }
 
 }  // namespace
 
-Result<OGRLayer*> create_table(const Filling& filling, const Table& table, const char* fid) {
+Result<OGRLayer*> create_table(const OpenGeoPackage& package, const Table& table, const char* fid) {
   CPLStringList options;
   options.SetNameValue("FID", fid);
   options.SetNameValue("GEOMETRY_NAME", "geom");
   options.SetNameValue("SPATIAL_INDEX", "YES");
   options.SetNameValue("IDENTIFIER", table.name.c_str());
   options.SetNameValue("DESCRIPTION", table.description.c_str());
-  OGRSpatialReference* crs = table.geometry == wkbNone ? nullptr : &filling.crs;
-  OGRLayer* layer = filling.dataset.CreateLayer(table.name.c_str(), crs, table.geometry, options.List());
-  if (layer == nullptr) return filling.gdal.failure(what, filling.target);
+  OGRSpatialReference* crs = table.geometry == wkbNone ? nullptr : &package.crs;
+  OGRLayer* layer = package.dataset.CreateLayer(table.name.c_str(), crs, table.geometry, options.List());
+  if (layer == nullptr) return package.gdal.failure(what, package.target);
   for (const Column& column : table.columns) {
     OGRFieldDefn field(column.name.c_str(), column.type);
     const bool key = column.name == table.name + "_uid" || (table.name == "scan" && column.name == "scan_id");
@@ -218,19 +218,19 @@ Result<OGRLayer*> create_table(const Filling& filling, const Table& table, const
       field.SetUnique(TRUE);
     }
     if (column.name == "detected" || column.name == "useAsDefault") field.SetSubType(OFSTBoolean);
-    if (layer->CreateField(&field) != OGRERR_NONE) return filling.gdal.failure(what, filling.target);
+    if (layer->CreateField(&field) != OGRERR_NONE) return package.gdal.failure(what, package.target);
   }
   return layer;
 }
 
-Result<void> fill_tables(const Filling& filling, const BlockProducts& block) {
-  RAYFIELD_CHECK(fill_rows(filling, block));
-  RAYFIELD_CHECK(fill_panels(filling, block));
-  RAYFIELD_CHECK(fill_posts(filling, block));
-  RAYFIELD_CHECK(fill_scans(filling, block));
-  RAYFIELD_CHECK(fill_panel_values(filling, block));
-  RAYFIELD_CHECK(fill_row_metres(filling, block));
-  return fill_panel_wide(filling, block);
+Result<void> fill_tables(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_CHECK(fill_rows(package, block));
+  RAYFIELD_CHECK(fill_panels(package, block));
+  RAYFIELD_CHECK(fill_posts(package, block));
+  RAYFIELD_CHECK(fill_scans(package, block));
+  RAYFIELD_CHECK(fill_panel_values(package, block));
+  RAYFIELD_CHECK(fill_row_metres(package, block));
+  return fill_panel_wide(package, block);
 }
 
 }  // namespace rayfield::formats::gpkg

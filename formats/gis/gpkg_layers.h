@@ -12,7 +12,7 @@
 namespace rayfield::formats::gpkg {
 
 /// A GeoPackage being filled.
-struct Filling {
+struct OpenGeoPackage {
   GDALDataset& dataset;
   GdalSession& gdal;
   OGRSpatialReference& crs;
@@ -20,9 +20,9 @@ struct Filling {
 };
 
 /// Creates and fills all real tables (the view and the styles come after, see gpkg_finish.h).
-Result<void> fill_tables(const Filling& filling, const BlockProducts& block);
+Result<void> fill_tables(const OpenGeoPackage& package, const BlockProducts& block);
 
 /// Creates an empty table with the columns of `table`. `fid`: name of the primary key.
-Result<OGRLayer*> create_table(const Filling& filling, const Table& table, const char* fid = "fid");
+Result<OGRLayer*> create_table(const OpenGeoPackage& package, const Table& table, const char* fid = "fid");
 
 }  // namespace rayfield::formats::gpkg

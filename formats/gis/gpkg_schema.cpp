@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "formats/gis/measured_columns.h"
+
 namespace rayfield::formats::gpkg {
 namespace {
 
@@ -12,21 +14,10 @@ const Column panel_length{"length_m", OFTReal, "length of the panel along the ro
 const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table scan"};
 const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
 
-std::vector<Column> value_columns() {
-  return {
-      {"plant_area_m2", OFTReal, "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²"},
-      {"leaf_area_m2", OFTReal, "one-sided leaf area: plant area less structure, m²"},
-      {"leaf_area_per_m", OFTReal, "one-sided leaf area per metre of row, m²/m"},
-      {"lai", OFTReal, "leaf area index: leaf area / (panel length × row spacing), m²/m²"},
-      {"se_leaf_area_m2", OFTReal, "standard error of leaf_area_m2, m²"},
-      {"ci_low_m2", OFTReal, "lower end of the 95 % interval of leaf_area_m2, m²"},
-      {"ci_high_m2", OFTReal, "upper end of the 95 % interval of leaf_area_m2, m²"},
-      {"canopy_height_m", OFTReal, "height of the canopy above the ground, m"},
-      {"canopy_width_m", OFTReal, "width of the canopy across the row, m"},
-      {"gap_fraction", OFTReal, "share of the panel's side view that lets light through, 0 … 1"},
-      {"observed_fraction", OFTReal, "share of voxels crossed by at least two rays, 0 … 1"},
-      {"ray_count", OFTInteger64, "rays through the panel"},
-  };
+void add_measured_columns(Table& table) {
+  for (const MeasuredColumn& column : measured_columns)
+    table.columns.push_back({column.name, OFTReal, column.description});
+  table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
 }
 
 }  // namespace
@@ -79,7 +70,7 @@ Table scan_table() {
 
 Table panel_value_table() {
   Table table{"panel_value", "Canopy of each panel on each date", wkbNone, {panel_uid, scan_id, scan_date}};
-  for (Column& column : value_columns()) table.columns.push_back(std::move(column));
+  add_measured_columns(table);
   return table;
 }
 
@@ -91,7 +82,7 @@ Table row_metre_table() {
            {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
            scan_id,
            scan_date,
-           {"leaf_area_per_m", OFTReal, "one-sided leaf area per metre of row, m²/m"},
+           {"leaf_area_per_m", OFTReal, leaf_area_per_m_description},
            {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
 }
 
@@ -112,7 +103,7 @@ Table panel_by_date_view() {
              "Panels with their canopy on each date",
              wkbPolygon,
              {panel_uid, row_number, panel_number, panel_length, scan_id, scan_date}};
-  for (Column& column : value_columns()) view.columns.push_back(std::move(column));
+  add_measured_columns(view);
   return view;
 }
 

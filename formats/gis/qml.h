@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "rayfield/formats/color.h"
+#include "formats/picture/color.h"
 
 /// QGIS layer styles (QML, read by QGIS 3.22 and later), as text without anything time-dependent.
 namespace rayfield::formats::qml {

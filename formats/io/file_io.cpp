@@ -1,7 +1,6 @@
 #include "formats/io/file_io.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,83 +15,14 @@ namespace {
 
 constexpr std::size_t kWriteBuffer = std::size_t{1} << 20;
 
-Result<void> write_fully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes,
-                         const std::string& what, const std::string& where) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return fail_errno(errno, what, where, "free some space or choose another folder");
-    }
-    if (written == 0) return fail_errno(ENOSPC, what, where, "free some space or choose another folder");
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-    offset += static_cast<std::uint64_t>(written);
-  }
-  return {};
-}
-
-/// A renamed file survives a power cut only once its folder has been synced too.
-Result<void> sync_folder(const std::string& path, const std::string& what) {
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return fail_errno(errno, what, path);
-  const int synced = ::fsync(descriptor);
-  const int error_number = errno;
-  ::close(descriptor);
-  // Some file systems cannot sync folders and say EINVAL; there is nothing more to do there.
-  if (synced != 0 && error_number != EINVAL) return fail_errno(error_number, what, path);
-  return {};
-}
-
 }  // namespace
-
-InputFile::InputFile(InputFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(other.size_),
-      path_(std::move(other.path_)),
-      what_(std::move(other.what_)) {}
-
-InputFile& InputFile::operator=(InputFile&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(size_, other.size_);
-  path_.swap(other.path_);
-  what_.swap(other.what_);
-  return *this;
-}
-
-InputFile::~InputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
 
 Result<InputFile> InputFile::open(const std::string& path, const std::string& what) {
   InputFile file;
+  RAYFIELD_ASSIGN(file.file_, open_regular_file(path, what, "check the path and its permissions"));
   file.path_ = path;
   file.what_ = what;
-  // Without O_NONBLOCK, opening a pipe would wait for its writer before it could be refused.
-  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file.descriptor_ < 0) return fail_errno(errno, what, path, "check the path and its permissions");
-  struct stat status = {};
-  if (::fstat(file.descriptor_, &status) != 0) return fail_errno(errno, what, path);
-  if (!S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::bad_input, what, path, "not a regular file", "give the path of a file");
-  }
-  file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
-}
-
-Result<std::size_t> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got =
-        ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0) {
-      if (errno == EINTR) continue;
-      return fail_errno(errno, what_, path_ + " at byte " + std::to_string(offset + done));
-    }
-    if (got == 0) break;
-    done += static_cast<std::size_t>(got);
-  }
-  return done;
 }
 
 FileWindow::FileWindow(InputFile file, std::size_t window_bytes) : file_(std::move(file)) {
@@ -131,12 +61,8 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   return *this;
 }
 
-OutputFile::~OutputFile() { discard(); }
-
-void OutputFile::discard() {
-  if (descriptor_ < 0) return;
-  ::close(std::exchange(descriptor_, -1));
-  ::unlink(temporary_.c_str());
+OutputFile::~OutputFile() {
+  if (descriptor_.valid()) ::unlink(temporary_.c_str());
 }
 
 Result<OutputFile> OutputFile::create(const std::string& path, const std::string& what) {
@@ -146,30 +72,34 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
   std::random_device entropy;
   for (int attempt = 0; attempt < 16; ++attempt) {
     file.temporary_ = path + ".partial-" + std::to_string(entropy());
-    file.descriptor_ = ::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file.descriptor_ >= 0) break;
+    file.descriptor_ = FileDescriptor(::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (file.descriptor_.valid()) break;
     if (errno == ENOENT || errno == ENOTDIR) {
       return fail(ErrorCode::usage, what, path, "there is no such folder", "make it, or give another path");
     }
     if (errno != EEXIST) return fail_errno(errno, what, path, "check that the folder can be written to");
   }
-  if (file.descriptor_ < 0) return fail_errno(EEXIST, what, path);
+  if (!file.descriptor_.valid()) return fail_errno(EEXIST, what, path);
   file.buffer_.reserve(kWriteBuffer);
   return file;
 }
 
+Result<void> OutputFile::write_through(std::uint64_t offset, std::span<const std::byte> bytes) {
+  return write_at(descriptor_, offset, bytes, what_, path_, "free some space or choose another folder");
+}
+
 Result<void> OutputFile::flush() {
-  RAYFIELD_CHECK(write_fully(descriptor_, flushed_, buffer_, what_, path_));
+  RAYFIELD_CHECK(write_through(flushed_, buffer_));
   flushed_ += buffer_.size();
   buffer_.clear();
   return {};
 }
 
 Result<void> OutputFile::write(std::span<const std::byte> bytes) {
-  if (descriptor_ < 0) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
+  if (!descriptor_.valid()) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
   if (buffer_.size() + bytes.size() > kWriteBuffer) RAYFIELD_CHECK(flush());
   if (bytes.size() >= kWriteBuffer) {
-    RAYFIELD_CHECK(write_fully(descriptor_, flushed_, bytes, what_, path_));
+    RAYFIELD_CHECK(write_through(flushed_, bytes));
     flushed_ += bytes.size();
     return {};
   }
@@ -182,24 +112,24 @@ Result<void> OutputFile::write(std::string_view text) {
 }
 
 Result<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> bytes) {
-  if (descriptor_ < 0) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
+  if (!descriptor_.valid()) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
   RAYFIELD_CHECK(flush());
   if (offset + bytes.size() > flushed_) return fail(ErrorCode::internal, what_, path_, "overwriting past the end");
-  return write_fully(descriptor_, offset, bytes, what_, path_);
+  return write_through(offset, bytes);
 }
 
 Result<void> OutputFile::commit() {
-  if (descriptor_ < 0) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
+  if (!descriptor_.valid()) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
   RAYFIELD_CHECK(flush());
-  if (::fsync(descriptor_) != 0) return fail_errno(errno, what_, path_);
-  const int closed = ::close(std::exchange(descriptor_, -1));
-  const int close_error = errno;
-  if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    const int error_number = closed != 0 ? close_error : errno;
+  RAYFIELD_CHECK(sync_file(descriptor_, what_, path_));
+  int error_number = descriptor_.close();
+  if (error_number == 0 && ::rename(temporary_.c_str(), path_.c_str()) != 0) error_number = errno;
+  if (error_number != 0) {
     ::unlink(temporary_.c_str());
     return fail_errno(error_number, what_, path_);
   }
-  return sync_folder(path_, what_);
+  // A renamed file survives a power cut only once its folder has been synced too.
+  return sync_directory(std::filesystem::path(path_).parent_path().string(), what_);
 }
 
 }  // namespace rayfield::formats

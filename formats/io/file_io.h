@@ -1,11 +1,15 @@
 #pragma once
 
+/// io: bytes in and out of files, whatever the format: reading at any offset, files that appear whole or not at all,
+/// little-endian numbers, and text made safe to store.
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "rayfield/core/file.h"
 #include "rayfield/core/result.h"
 
 namespace rayfield::formats {
@@ -13,23 +17,19 @@ namespace rayfield::formats {
 /// A regular file opened for reading at any offset; the size is taken when it is opened.
 class InputFile {
  public:
-  InputFile() = default;
-  InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&& other) noexcept;
-  ~InputFile();
-
   /// `what` names the job in error messages ("cannot read bag"). Errors: bad_input (missing, not a regular file),
   /// resources (no permission).
   static Result<InputFile> open(const std::string& path, const std::string& what);
 
   /// Fills `bytes` from `offset` and returns how many came; fewer only at the end of the file.
-  Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
-  std::uint64_t size() const { return size_; }
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
+    return rayfield::read_at(file_.descriptor, offset, bytes, what_, path_);
+  }
+  std::uint64_t size() const { return file_.size; }
   const std::string& path() const { return path_; }
 
  private:
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
+  InputDescriptor file_;
   std::string path_, what_;
 };
 
@@ -71,10 +71,10 @@ class OutputFile {
   const std::string& path() const { return path_; }
 
  private:
+  Result<void> write_through(std::uint64_t offset, std::span<const std::byte> bytes);
   Result<void> flush();
-  void discard();
 
-  int descriptor_ = -1;
+  FileDescriptor descriptor_;
   std::uint64_t flushed_ = 0;
   std::vector<std::byte> buffer_;
   std::string path_, temporary_, what_;

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
+#include <utility>
 
 namespace rayfield::formats {
 namespace {
@@ -21,6 +23,10 @@ std::string stage_prefix(const fs::path& target) {
   return prefix.append(".part-");
 }
 
+FileDescriptor open_folder(const std::string& path) {
+  return FileDescriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+}
+
 /// Removes folders of the same target that nobody holds any more (their writer was killed).
 void remove_stale(const fs::path& parent, const std::string& prefix) {
   std::error_code error;
@@ -29,46 +35,31 @@ void remove_stale(const fs::path& parent, const std::string& prefix) {
     if (it->path().filename().string().rfind(prefix, 0) == 0) stale.push_back(it->path());
   }
   for (const fs::path& folder : stale) {
-    const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (fd < 0) continue;
-    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, error);
-    ::close(fd);
+    const FileDescriptor file = open_folder(folder.string());
+    if (file.valid() && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, error);
   }
 }
 
-/// Makes and locks a private folder; returns its descriptor, or -1 with errno. A cleaning writer may win the lock
-/// between mkdtemp() and flock() and remove the folder (its link count is then 0): try again.
-int make_locked_folder(const fs::path& parent, const std::string& prefix, std::string& folder) {
+struct LockedFolder {
+  std::string path;
+  FileDescriptor lock;
+};
+
+/// Makes and locks a private folder. A cleaning writer may win the lock between mkdtemp() and flock() and remove the
+/// folder (its link count is then 0): try again.
+Result<LockedFolder> make_locked_folder(const fs::path& target, const fs::path& parent, std::string_view what) {
   for (int attempt = 0; attempt < 16; ++attempt) {
-    std::string name = (parent / (prefix + "XXXXXX")).string();
-    if (::mkdtemp(name.data()) == nullptr) return -1;
-    const int fd = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (fd < 0 && errno == ENOENT) continue;
-    if (fd < 0) return -1;
+    std::string name = (parent / (stage_prefix(target) + "XXXXXX")).string();
+    if (::mkdtemp(name.data()) == nullptr) return fail_errno(errno, what, target.string(), next_step);
+    FileDescriptor lock = open_folder(name);
+    if (!lock.valid() && errno == ENOENT) continue;
+    if (!lock.valid()) return fail_errno(errno, what, target.string(), next_step);
     struct stat status = {};
     // File systems without flock() give no protection against a second writer's cleaning, which then fails as well.
-    ::flock(fd, LOCK_EX);
-    if (::fstat(fd, &status) == 0 && status.st_nlink > 0) {
-      folder = name;
-      return fd;
-    }
-    ::close(fd);
+    ::flock(lock.get(), LOCK_EX);
+    if (::fstat(lock.get(), &status) == 0 && status.st_nlink > 0) return LockedFolder{name, std::move(lock)};
   }
-  errno = EBUSY;
-  return -1;
-}
-
-Result<void> sync_path(const std::string& path, int flags, std::string_view what) {
-  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (fd < 0) return fail_errno(errno, what, path, next_step);
-  const int sync_error = ::fsync(fd) == 0 ? 0 : errno;
-  const int close_error = ::close(fd) == 0 ? 0 : errno;
-  // Some file systems cannot sync a folder; the rename is then as durable as they make it.
-  if (sync_error != 0 && !((flags & O_DIRECTORY) != 0 && sync_error == EINVAL)) {
-    return fail_errno(sync_error, what, path, next_step);
-  }
-  if (close_error != 0) return fail_errno(close_error, what, path, next_step);
-  return {};
+  return fail_errno(EBUSY, what, target.string(), next_step);
 }
 
 }  // namespace
@@ -88,8 +79,9 @@ Result<StagedOutput> StagedOutput::create(const std::string& target, std::string
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
   staged.parent_ = parent.string();
   remove_stale(parent, stage_prefix(path));
-  staged.lock_fd_ = make_locked_folder(parent, stage_prefix(path), staged.folder_);
-  if (staged.lock_fd_ < 0) return fail_errno(errno, what, target, next_step);
+  RAYFIELD_ASSIGN(LockedFolder folder, make_locked_folder(path, parent, what));
+  staged.folder_ = std::move(folder.path);
+  staged.lock_ = std::move(folder.lock);
   return staged;
 }
 
@@ -98,39 +90,29 @@ StagedOutput::StagedOutput(StagedOutput&& other) noexcept
       what_(std::move(other.what_)),
       parent_(std::move(other.parent_)),
       folder_(std::exchange(other.folder_, {})),
-      lock_fd_(std::exchange(other.lock_fd_, -1)) {}
+      lock_(std::move(other.lock_)) {}
 
 StagedOutput::~StagedOutput() {
-  if (!folder_.empty()) {
-    std::error_code error;
-    fs::remove_all(folder_, error);
-  }
-  if (lock_fd_ >= 0) ::close(lock_fd_);
+  if (folder_.empty()) return;
+  std::error_code error;
+  fs::remove_all(folder_, error);
 }
 
 std::string StagedOutput::path(std::string_view file_name) const { return folder_ + "/" + std::string(file_name); }
 
 Result<void> StagedOutput::publish(std::string_view file_name, const std::string& destination) const {
   const std::string source = path(file_name);
-  RAYFIELD_CHECK(sync_path(source, O_RDONLY, what_));
+  RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(source, what_, next_step));
+  RAYFIELD_CHECK(sync_file(file.descriptor, what_, source, next_step));
   if (::rename(source.c_str(), destination.c_str()) != 0) return fail_errno(errno, what_, destination, next_step);
-  return sync_path(parent_, O_RDONLY | O_DIRECTORY, what_);
+  return sync_directory(parent_, what_, next_step);
 }
 
 Result<void> write_bytes(const std::string& path, std::string_view bytes, std::string_view what) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd < 0) return fail_errno(errno, what, path, next_step);
-  int error_number = 0;
-  while (!bytes.empty() && error_number == 0) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written > 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    } else if (written < 0 && errno != EINTR) {
-      error_number = errno;
-    }
-  }
-  if (::close(fd) != 0 && error_number == 0) error_number = errno;
-  if (error_number != 0) return fail_errno(error_number, what, path, next_step);
+  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.valid()) return fail_errno(errno, what, path, next_step);
+  RAYFIELD_CHECK(write_at(file, 0, std::as_bytes(std::span(bytes)), what, path, next_step));
+  if (const int error_number = file.close(); error_number != 0) return fail_errno(error_number, what, path, next_step);
   return {};
 }
 

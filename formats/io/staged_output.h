@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rayfield/core/file.h"
 #include "rayfield/core/result.h"
 
 namespace rayfield::formats {
@@ -35,10 +36,10 @@ class StagedOutput {
  private:
   StagedOutput() = default;
   std::string target_, what_, parent_, folder_;
-  int lock_fd_ = -1;
+  FileDescriptor lock_;  ///< of the private folder
 };
 
-/// Writes all bytes to `path` (created or truncated); checks write, sync and close.
+/// Writes all bytes to `path` (created or truncated); checks write and close. publish() syncs.
 Result<void> write_bytes(const std::string& path, std::string_view bytes, std::string_view what);
 
 /// Stages and publishes one small text or image file.

@@ -106,6 +106,4 @@ std::string json_string(std::string_view text) {
 
 std::string sql_literal(std::string_view text) { return doubled(clean_text(text), '\''); }
 
-std::string sql_name(std::string_view name) { return doubled(clean_text(name), '"'); }
-
 }  // namespace rayfield::formats

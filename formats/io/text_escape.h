@@ -20,7 +20,4 @@ std::string json_string(std::string_view text);
 /// An SQL string literal, quotes included.
 std::string sql_literal(std::string_view text);
 
-/// An SQL identifier in double quotes.
-std::string sql_name(std::string_view name);
-
 }  // namespace rayfield::formats

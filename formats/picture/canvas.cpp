@@ -1,4 +1,4 @@
-#include "rayfield/formats/canvas.h"
+#include "formats/picture/canvas.h"
 
 #include <cairo.h>
 #include <fmt/format.h>
@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include "formats/io/staged_output.h"
 #include "formats/io/text_escape.h"

@@ -1,61 +1,35 @@
-#include "rayfield/formats/color.h"
+#include "formats/picture/color.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace rayfield::formats {
 namespace {
 
 using Stops = std::array<Rgba, 11>;
 
+constexpr Stops stops(const std::array<std::uint32_t, 11>& rgb) {
+  Stops out;
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    out[i] = {static_cast<std::uint8_t>(rgb[i] >> 16), static_cast<std::uint8_t>(rgb[i] >> 8),
+              static_cast<std::uint8_t>(rgb[i])};
+  }
+  return out;
+}
+
 // Made in OKLCH (lightness, chroma and hue through chosen keys), sampled at equal CIE76 distances.
-constexpr Stops canopy_stops = {{{251, 247, 232},
-                                 {251, 239, 182},
-                                 {232, 226, 127},
-                                 {167, 206, 94},
-                                 {102, 190, 102},
-                                 {13, 175, 123},
-                                 {7, 154, 138},
-                                 {7, 127, 139},
-                                 {1, 94, 130},
-                                 {8, 65, 123},
-                                 {29, 26, 90}}};
-constexpr Stops height_stops = {{{250, 247, 232},
-                                 {248, 241, 201},
-                                 {245, 231, 168},
-                                 {240, 216, 133},
-                                 {231, 195, 96},
-                                 {214, 164, 63},
-                                 {194, 133, 38},
-                                 {173, 103, 22},
-                                 {150, 77, 18},
-                                 {127, 55, 19},
-                                 {103, 37, 20}}};
-constexpr Stops uncertainty_stops = {{{251, 246, 238},
-                                      {255, 227, 204},
-                                      {255, 201, 177},
-                                      {254, 175, 158},
-                                      {255, 150, 146},
-                                      {240, 126, 144},
-                                      {214, 106, 143},
-                                      {184, 86, 138},
-                                      {151, 64, 128},
-                                      {116, 40, 113},
-                                      {80, 11, 93}}};
-constexpr Stops terrain_stops = {{{11, 72, 52},
-                                  {34, 86, 54},
-                                  {60, 101, 57},
-                                  {86, 116, 61},
-                                  {114, 131, 68},
-                                  {144, 148, 81},
-                                  {175, 167, 101},
-                                  {201, 186, 128},
-                                  {222, 204, 158},
-                                  {239, 222, 188},
-                                  {253, 240, 220}}};
+constexpr Stops canopy_stops = stops(
+    {0xfbf7e8, 0xfbefb6, 0xe8e27f, 0xa7ce5e, 0x66be66, 0x0daf7b, 0x079a8a, 0x077f8b, 0x015e82, 0x08417b, 0x1d1a5a});
+constexpr Stops height_stops = stops(
+    {0xfaf7e8, 0xf8f1c9, 0xf5e7a8, 0xf0d885, 0xe7c360, 0xd6a43f, 0xc28526, 0xad6716, 0x964d12, 0x7f3713, 0x672514});
+constexpr Stops uncertainty_stops = stops(
+    {0xfbf6ee, 0xffe3cc, 0xffc9b1, 0xfeaf9e, 0xff9692, 0xf07e90, 0xd66a8f, 0xb8568a, 0x974080, 0x742871, 0x500b5d});
+constexpr Stops terrain_stops = stops(
+    {0x0b4834, 0x225636, 0x3c6539, 0x56743d, 0x728344, 0x909451, 0xafa765, 0xc9ba80, 0xdecc9e, 0xefdebc, 0xfdf0dc});
 
 /// The smallest of 1, 2, 5 × 10ⁿ that is not below `value`.
 double nice_above(double value) {
@@ -65,8 +39,6 @@ double nice_above(double value) {
   }
   return 10 * power;
 }
-
-bool starts_with(std::string_view text, std::string_view prefix) { return text.substr(0, prefix.size()) == prefix; }
 
 }  // namespace
 
@@ -86,16 +58,16 @@ std::span<const Rgba> ramp_stops(Ramp ramp) {
 
 Rgba color_at(const ColorScale& scale, double value) {
   if (std::isnan(value)) return {0, 0, 0, 0};
-  const std::span<const Rgba> stops = ramp_stops(scale.ramp);
+  const std::span<const Rgba> ramp = ramp_stops(scale.ramp);
   const double range = scale.high - scale.low;
   const double t = range > 0 ? std::clamp((value - scale.low) / range, 0.0, 1.0) : 0.0;
-  const double position = t * static_cast<double>(stops.size() - 1);
-  const auto i = std::min(static_cast<std::size_t>(position), stops.size() - 2);
+  const double position = t * static_cast<double>(ramp.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(position), ramp.size() - 2);
   const double f = position - static_cast<double>(i);
   const auto mix = [f](std::uint8_t a, std::uint8_t b) {
     return static_cast<std::uint8_t>(std::lround(a + f * (static_cast<double>(b) - a)));
   };
-  return {mix(stops[i].r, stops[i + 1].r), mix(stops[i].g, stops[i + 1].g), mix(stops[i].b, stops[i + 1].b), 255};
+  return {mix(ramp[i].r, ramp[i + 1].r), mix(ramp[i].g, ramp[i + 1].g), mix(ramp[i].b, ramp[i + 1].b), 255};
 }
 
 ColorScale product_scale(std::string_view product, double data_low, double data_high) {
@@ -103,7 +75,7 @@ ColorScale product_scale(std::string_view product, double data_low, double data_
   if (product == "plan_density_se") return {0, 1, Ramp::uncertainty};
   if (product == "canopy_height") return {0, 3, Ramp::height};
   if (product == "leaf_area_per_m") return {0, 6, Ramp::canopy};
-  if (starts_with(product, "side_view") || starts_with(product, "end_on")) return {0, 6, Ramp::canopy};
+  if (product.starts_with("side_view") || product.starts_with("end_on")) return {0, 6, Ramp::canopy};
   const bool known = std::isfinite(data_low) && std::isfinite(data_high) && data_low <= data_high;
   if (product == "ground") {
     if (!known) return {0, 1, Ramp::terrain};

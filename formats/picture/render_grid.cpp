@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/picture/color.h"
+
 namespace rayfield::formats {
 namespace {
 

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "rayfield/core/grid2.h"
-#include "rayfield/formats/color.h"
+#include "rayfield/formats/style.h"
 
 namespace rayfield::formats {
 

@@ -15,24 +15,24 @@ constexpr std::size_t kMaxProperties = 256;
 
 struct NamedType {
   std::string_view name;
-  PlyType type;
+  NumberType type;
 };
-constexpr std::array<NamedType, 16> kTypes = {{{"char", PlyType::i8},
-                                               {"int8", PlyType::i8},
-                                               {"uchar", PlyType::u8},
-                                               {"uint8", PlyType::u8},
-                                               {"short", PlyType::i16},
-                                               {"int16", PlyType::i16},
-                                               {"ushort", PlyType::u16},
-                                               {"uint16", PlyType::u16},
-                                               {"int", PlyType::i32},
-                                               {"int32", PlyType::i32},
-                                               {"uint", PlyType::u32},
-                                               {"uint32", PlyType::u32},
-                                               {"float", PlyType::f32},
-                                               {"float32", PlyType::f32},
-                                               {"double", PlyType::f64},
-                                               {"float64", PlyType::f64}}};
+constexpr std::array<NamedType, 16> kTypes = {{{"char", NumberType::i8},
+                                               {"int8", NumberType::i8},
+                                               {"uchar", NumberType::u8},
+                                               {"uint8", NumberType::u8},
+                                               {"short", NumberType::i16},
+                                               {"int16", NumberType::i16},
+                                               {"ushort", NumberType::u16},
+                                               {"uint16", NumberType::u16},
+                                               {"int", NumberType::i32},
+                                               {"int32", NumberType::i32},
+                                               {"uint", NumberType::u32},
+                                               {"uint32", NumberType::u32},
+                                               {"float", NumberType::f32},
+                                               {"float32", NumberType::f32},
+                                               {"double", NumberType::f64},
+                                               {"float64", NumberType::f64}}};
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
@@ -104,7 +104,7 @@ struct HeaderParser {
     if (header.find(words[2]) != nullptr) return bad_line(number, "a second property " + quoted(words[2]));
     if (header.properties.size() >= kMaxProperties) return bad_line(number, "too many properties");
     header.properties.push_back({std::string(words[2]), type->type, header.row_bytes});
-    header.row_bytes += ply_type_bytes(type->type);
+    header.row_bytes += number_bytes(type->type);
     return {};
   }
 
@@ -126,24 +126,6 @@ struct HeaderParser {
 };
 
 }  // namespace
-
-std::size_t ply_type_bytes(PlyType type) {
-  switch (type) {
-    case PlyType::i8:
-    case PlyType::u8:
-      return 1;
-    case PlyType::i16:
-    case PlyType::u16:
-      return 2;
-    case PlyType::i32:
-    case PlyType::u32:
-    case PlyType::f32:
-      return 4;
-    case PlyType::f64:
-      break;
-  }
-  return 8;
-}
 
 const PlyProperty* PlyHeader::find(std::string_view name) const {
   for (const PlyProperty& property : properties) {
@@ -181,6 +163,8 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes) {
   return bad_line(number, "the header has no end_header");
 }
 
+/// Coordinates and start vectors may be float or double and stand anywhere in the row, but each three next to each
+/// other.
 Result<RayColumns> find_ray_columns(const PlyHeader& header) {
   const auto bad = [](const std::string& why, std::string_view next = {}) {
     return fail(ErrorCode::bad_input, kWhat, "header", why, next);
@@ -191,8 +175,8 @@ Result<RayColumns> find_ray_columns(const PlyHeader& header) {
     const PlyProperty* b = header.find(second);
     const PlyProperty* c = header.find(third);
     if (a == nullptr || b == nullptr || c == nullptr || a->type != b->type || b->type != c->type) return nullptr;
-    if (a->type != PlyType::f32 && a->type != PlyType::f64) return nullptr;
-    const std::size_t bytes = ply_type_bytes(a->type);
+    if (a->type != NumberType::f32 && a->type != NumberType::f64) return nullptr;
+    const std::size_t bytes = number_bytes(a->type);
     return b->offset == a->offset + bytes && c->offset == b->offset + bytes ? a : nullptr;
   };
   const PlyProperty* position = triple("x", "y", "z");
@@ -204,15 +188,15 @@ Result<RayColumns> find_ray_columns(const PlyHeader& header) {
                "give the ray cloud, or join the points with their trajectory by raycloudtools' rayimport");
   }
   const PlyProperty* time = header.find("time");
-  if (time == nullptr || (time->type != PlyType::f32 && time->type != PlyType::f64)) {
+  if (time == nullptr || (time->type != NumberType::f32 && time->type != NumberType::f64)) {
     return bad("the rays have no time (property double time)", "export the cloud with its times");
   }
   RayColumns columns;
-  columns.position = position->offset, columns.position_double = position->type == PlyType::f64;
-  columns.start = start->offset, columns.start_double = start->type == PlyType::f64;
-  columns.time = time->offset, columns.time_double = time->type == PlyType::f64;
+  columns.position = position->offset, columns.position_double = position->type == NumberType::f64;
+  columns.start = start->offset, columns.start_double = start->type == NumberType::f64;
+  columns.time = time->offset, columns.time_double = time->type == NumberType::f64;
   if (const PlyProperty* alpha = header.find("alpha"); alpha != nullptr) {
-    if (alpha->type != PlyType::u8) return bad("alpha is not of type uchar");
+    if (alpha->type != NumberType::u8) return bad("alpha is not of type uchar");
     columns.alpha = alpha->offset;
   }
   return columns;

@@ -1,21 +1,21 @@
 #pragma once
 
+/// ray_cloud: rays in PLY files, in the layout of raycloudtools.
+
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "formats/io/number_type.h"
 #include "rayfield/core/result.h"
 
 namespace rayfield::formats {
 
-enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
-std::size_t ply_type_bytes(PlyType type);
-
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::f32;
+  NumberType type = NumberType::f32;
   std::size_t offset = 0;  ///< in the row of a vertex
 };
 

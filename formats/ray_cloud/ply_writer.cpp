@@ -68,6 +68,7 @@ Result<PlyWriter> PlyWriter::create(const std::string& path, const PlyWriteOptio
   return PlyWriter(std::move(impl));
 }
 
+/// Rows are built in blocks, so that a large batch is not held twice.
 Result<void> PlyWriter::write(const RayBatch& batch) {
   constexpr std::size_t kBlockRows = 16384;
   for (std::size_t first = 0; first < batch.size(); first += kBlockRows) {

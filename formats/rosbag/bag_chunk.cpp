@@ -1,11 +1,11 @@
+#include "formats/rosbag/bag_chunk.h"
+
 #include <bzlib.h>
 #include <lz4frame.h>
 
 #include <algorithm>
 #include <limits>
 #include <memory>
-
-#include "formats/rosbag/bag_format.h"
 
 namespace rayfield::formats {
 namespace {

@@ -1,5 +1,7 @@
 #pragma once
 
+/// rosbag: the container of ROS 1 bags, and the serialisation of the messages that rayfield reads and writes.
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,9 +11,7 @@
 #include <vector>
 
 #include "formats/io/byte_cursor.h"
-#include "rayfield/core/result.h"
 #include "rayfield/formats/rosbag_reader.h"
-#include "rayfield/formats/rosbag_writer.h"
 
 /// ROS 1 bag, version 2.0. All numbers are little-endian.
 ///   file    "#ROSBAG V2.0\n", then records to the end
@@ -48,19 +48,16 @@ std::optional<BagHeader> parse_bag_header(std::span<const std::byte> fields);
 /// Parses the data of a connection record; nothing where it is malformed.
 std::optional<BagConnection> parse_bag_connection(const BagHeader& header, std::span<const std::byte> data);
 
-/// Decompresses a chunk into `out`. `size` is the length that the chunk's header states; memory is taken as data
-/// comes out, so that a wrong header cannot ask for much. Errors: bad_input with the reason in `why`.
-Result<void> decompress_bag_chunk(std::string_view compression, std::span<const std::byte> data, std::size_t size,
-                                  std::vector<std::byte>& out);
+/// Times are u32 seconds and u32 nanoseconds, which little-endian is this number.
+inline std::uint64_t bag_time(std::int64_t time_ns) {
+  return static_cast<std::uint64_t>(time_ns / 1'000'000'000) |
+         (static_cast<std::uint64_t>(time_ns % 1'000'000'000) << 32);
+}
 
-/// Compresses a chunk as the ROS libraries do. Errors: internal, resources.
-Result<void> compress_bag_chunk(BagCompression compression, std::span<const std::byte> data,
-                                std::vector<std::byte>& out);
-std::string_view bag_compression_name(BagCompression compression);
-
-/// Builds record headers field by field.
+/// Builds record headers, and the data of connection records, field by field.
 class BagHeaderBuilder {
  public:
+  BagHeaderBuilder() = default;
   explicit BagHeaderBuilder(BagOp op) { field("op", static_cast<std::uint8_t>(op)); }
   template <class T>
   BagHeaderBuilder& field(std::string_view name, T value) {
@@ -73,11 +70,7 @@ class BagHeaderBuilder {
     fields_.raw(name), fields_.raw("="), fields_.raw(value);
     return *this;
   }
-  BagHeaderBuilder& time(std::string_view name, std::int64_t time_ns) {
-    const auto seconds = static_cast<std::uint64_t>(time_ns / 1'000'000'000);
-    const auto rest = static_cast<std::uint64_t>(time_ns % 1'000'000'000);
-    return field(name, seconds | (rest << 32));
-  }
+  BagHeaderBuilder& time(std::string_view name, std::int64_t time_ns) { return field(name, bag_time(time_ns)); }
   std::span<const std::byte> bytes() const { return fields_.bytes(); }
 
  private:

@@ -1,6 +1,4 @@
-#include <cmath>
-
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/ros_decode.h"
 
 namespace rayfield::formats {
 namespace {
@@ -16,29 +14,6 @@ Eigen::Vector3d take_vector3(ByteCursor& cursor) {
 bool complete(const ByteCursor& cursor) { return !cursor.failed() && cursor.remaining() == 0; }
 
 }  // namespace
-
-RosHeader take_ros_header(ByteCursor& cursor) {
-  RosHeader header;
-  header.seq = cursor.get<std::uint32_t>();
-  const std::int64_t seconds = cursor.get<std::uint32_t>();
-  const std::int64_t nanoseconds = cursor.get<std::uint32_t>();
-  header.stamp_ns = seconds * 1'000'000'000 + nanoseconds;
-  header.frame_id = cursor.text();
-  return header;
-}
-
-std::optional<std::int64_t> peek_ros_stamp(std::span<const std::byte> message) {
-  ByteCursor cursor(message);
-  const RosHeader header = take_ros_header(cursor);
-  if (cursor.failed()) return std::nullopt;
-  return header.stamp_ns;
-}
-
-std::int64_t ns_from_seconds(double time_s) {
-  if (!(time_s >= 0 && time_s < 4294967296.0)) return -1;
-  const double whole = std::floor(time_s);
-  return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((time_s - whole) * 1e9);
-}
 
 std::optional<ImuSample> decode_imu(std::span<const std::byte> message) {
   ByteCursor cursor(message);

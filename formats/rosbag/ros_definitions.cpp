@@ -1,6 +1,7 @@
-#include <array>
+#include "formats/rosbag/ros_definitions.h"
 
-#include "formats/rosbag/ros_messages.h"
+#include <array>
+#include <initializer_list>
 
 namespace rayfield::formats {
 namespace {
@@ -13,133 +14,126 @@ std::string with(const std::string& text, std::initializer_list<const char*> dep
   return full;
 }
 
-constexpr const char* kHeader =
-    "std_msgs/Header\n"
-    "uint32 seq\n"
-    "time stamp\n"
-    "string frame_id\n";
+constexpr const char* kHeader = R"(std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+)";
 
-constexpr const char* kQuaternion =
-    "geometry_msgs/Quaternion\n"
-    "float64 x\n"
-    "float64 y\n"
-    "float64 z\n"
-    "float64 w\n";
+constexpr const char* kQuaternion = R"(geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+)";
 
-constexpr const char* kVector3 =
-    "geometry_msgs/Vector3\n"
-    "float64 x\n"
-    "float64 y\n"
-    "float64 z\n";
+constexpr const char* kVector3 = R"(geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+)";
 
-constexpr const char* kPointField =
-    "sensor_msgs/PointField\n"
-    "uint8 INT8    = 1\n"
-    "uint8 UINT8   = 2\n"
-    "uint8 INT16   = 3\n"
-    "uint8 UINT16  = 4\n"
-    "uint8 INT32   = 5\n"
-    "uint8 UINT32  = 6\n"
-    "uint8 FLOAT32 = 7\n"
-    "uint8 FLOAT64 = 8\n"
-    "string name\n"
-    "uint32 offset\n"
-    "uint8  datatype\n"
-    "uint32 count\n";
+constexpr const char* kPointField = R"(sensor_msgs/PointField
+uint8 INT8    = 1
+uint8 UINT8   = 2
+uint8 INT16   = 3
+uint8 UINT16  = 4
+uint8 INT32   = 5
+uint8 UINT32  = 6
+uint8 FLOAT32 = 7
+uint8 FLOAT64 = 8
+string name
+uint32 offset
+uint8  datatype
+uint32 count
+)";
 
-constexpr const char* kNavSatStatus =
-    "sensor_msgs/NavSatStatus\n"
-    "int8 STATUS_NO_FIX =  -1\n"
-    "int8 STATUS_FIX =      0\n"
-    "int8 STATUS_SBAS_FIX = 1\n"
-    "int8 STATUS_GBAS_FIX = 2\n"
-    "int8 status\n"
-    "uint16 SERVICE_GPS =     1\n"
-    "uint16 SERVICE_GLONASS = 2\n"
-    "uint16 SERVICE_COMPASS = 4\n"
-    "uint16 SERVICE_GALILEO = 8\n"
-    "uint16 service\n";
+constexpr const char* kNavSatStatus = R"(sensor_msgs/NavSatStatus
+int8 STATUS_NO_FIX =  -1
+int8 STATUS_FIX =      0
+int8 STATUS_SBAS_FIX = 1
+int8 STATUS_GBAS_FIX = 2
+int8 status
+uint16 SERVICE_GPS =     1
+uint16 SERVICE_GLONASS = 2
+uint16 SERVICE_COMPASS = 4
+uint16 SERVICE_GALILEO = 8
+uint16 service
+)";
+
+/// The texts as rosbag stores them; the md5sums hold for these and no others.
+const std::array<RosDefinition, 5>& definitions() {
+  static const std::array<RosDefinition, 5> all = {{{"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369",
+                                                     with(R"(Header header
+float32 angle_min
+float32 angle_max
+float32 angle_increment
+float32 time_increment
+float32 scan_time
+float32 range_min
+float32 range_max
+float32[] ranges
+float32[] intensities
+)",
+                                                          {kHeader})},
+                                                    {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181",
+                                                     with(R"(Header header
+uint32 height
+uint32 width
+PointField[] fields
+bool    is_bigendian
+uint32  point_step
+uint32  row_step
+uint8[] data
+bool is_dense
+)",
+                                                          {kHeader, kPointField})},
+                                                    {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2",
+                                                     with(R"(Header header
+geometry_msgs/Quaternion orientation
+float64[9] orientation_covariance
+geometry_msgs/Vector3 angular_velocity
+float64[9] angular_velocity_covariance
+geometry_msgs/Vector3 linear_acceleration
+float64[9] linear_acceleration_covariance
+)",
+                                                          {kHeader, kQuaternion, kVector3})},
+                                                    {"sensor_msgs/NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
+                                                     with(R"(Header header
+NavSatStatus status
+float64 latitude
+float64 longitude
+float64 altitude
+float64[9] position_covariance
+uint8 COVARIANCE_TYPE_UNKNOWN = 0
+uint8 COVARIANCE_TYPE_APPROXIMATED = 1
+uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
+uint8 COVARIANCE_TYPE_KNOWN = 3
+uint8 position_covariance_type
+)",
+                                                          {kHeader, kNavSatStatus})},
+                                                    {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd",
+                                                     with(R"(Header header
+string[] name
+float64[] position
+float64[] velocity
+float64[] effort
+)",
+                                                          {kHeader})}}};
+  return all;
+}
 
 }  // namespace
 
-const RosDefinition& laser_scan_definition() {
-  static const RosDefinition definition = {"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369",
-                                           with("Header header\n"
-                                                "float32 angle_min\n"
-                                                "float32 angle_max\n"
-                                                "float32 angle_increment\n"
-                                                "float32 time_increment\n"
-                                                "float32 scan_time\n"
-                                                "float32 range_min\n"
-                                                "float32 range_max\n"
-                                                "float32[] ranges\n"
-                                                "float32[] intensities\n",
-                                                {kHeader})};
-  return definition;
-}
-
-const RosDefinition& point_cloud2_definition() {
-  static const RosDefinition definition = {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181",
-                                           with("Header header\n"
-                                                "uint32 height\n"
-                                                "uint32 width\n"
-                                                "PointField[] fields\n"
-                                                "bool    is_bigendian\n"
-                                                "uint32  point_step\n"
-                                                "uint32  row_step\n"
-                                                "uint8[] data\n"
-                                                "bool is_dense\n",
-                                                {kHeader, kPointField})};
-  return definition;
-}
-
-const RosDefinition& imu_definition() {
-  static const RosDefinition definition = {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2",
-                                           with("Header header\n"
-                                                "geometry_msgs/Quaternion orientation\n"
-                                                "float64[9] orientation_covariance\n"
-                                                "geometry_msgs/Vector3 angular_velocity\n"
-                                                "float64[9] angular_velocity_covariance\n"
-                                                "geometry_msgs/Vector3 linear_acceleration\n"
-                                                "float64[9] linear_acceleration_covariance\n",
-                                                {kHeader, kQuaternion, kVector3})};
-  return definition;
-}
-
-const RosDefinition& nav_sat_fix_definition() {
-  static const RosDefinition definition = {"sensor_msgs/NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
-                                           with("Header header\n"
-                                                "NavSatStatus status\n"
-                                                "float64 latitude\n"
-                                                "float64 longitude\n"
-                                                "float64 altitude\n"
-                                                "float64[9] position_covariance\n"
-                                                "uint8 COVARIANCE_TYPE_UNKNOWN = 0\n"
-                                                "uint8 COVARIANCE_TYPE_APPROXIMATED = 1\n"
-                                                "uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN = 2\n"
-                                                "uint8 COVARIANCE_TYPE_KNOWN = 3\n"
-                                                "uint8 position_covariance_type\n",
-                                                {kHeader, kNavSatStatus})};
-  return definition;
-}
-
-const RosDefinition& joint_state_definition() {
-  static const RosDefinition definition = {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd",
-                                           with("Header header\n"
-                                                "string[] name\n"
-                                                "float64[] position\n"
-                                                "float64[] velocity\n"
-                                                "float64[] effort\n",
-                                                {kHeader})};
-  return definition;
-}
+const RosDefinition& laser_scan_definition() { return definitions()[0]; }
+const RosDefinition& point_cloud2_definition() { return definitions()[1]; }
+const RosDefinition& imu_definition() { return definitions()[2]; }
+const RosDefinition& nav_sat_fix_definition() { return definitions()[3]; }
+const RosDefinition& joint_state_definition() { return definitions()[4]; }
 
 const RosDefinition* find_ros_definition(std::string_view type) {
-  static const std::array<const RosDefinition*, 5> known = {&laser_scan_definition(), &point_cloud2_definition(),
-                                                            &imu_definition(), &nav_sat_fix_definition(),
-                                                            &joint_state_definition()};
-  for (const RosDefinition* definition : known) {
-    if (definition->type == type) return definition;
+  for (const RosDefinition& definition : definitions()) {
+    if (definition.type == type) return &definition;
   }
   return nullptr;
 }

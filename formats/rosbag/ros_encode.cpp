@@ -1,4 +1,6 @@
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/ros_encode.h"
+
+#include "formats/rosbag/ros_header.h"
 
 namespace rayfield::formats {
 namespace {
@@ -13,16 +15,8 @@ void put_zeros(int count, ByteBuilder& out) {
 
 }  // namespace
 
-void encode_ros_header(std::uint32_t seq, double stamp_s, std::string_view frame, ByteBuilder& out) {
-  const std::int64_t stamp_ns = ns_from_seconds(stamp_s);
-  out.put(seq);
-  out.put(static_cast<std::uint32_t>(stamp_ns / 1'000'000'000));
-  out.put(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000));
-  out.text(frame);
-}
-
 void encode_imu(const ImuSample& sample, std::uint32_t seq, std::string_view frame, ByteBuilder& out) {
-  encode_ros_header(seq, sample.time_s, frame, out);
+  put_ros_header(seq, sample.time_s, frame, out);
   put_zeros(3, out), out.put(1.0);
   out.put(-1.0), put_zeros(8, out);  // orientation not measured
   put_vector3(sample.angular_velocity_rad_s, out);
@@ -33,7 +27,7 @@ void encode_imu(const ImuSample& sample, std::uint32_t seq, std::string_view fra
 
 void encode_nav_sat_fix(const GpsFix& fix, std::uint32_t seq, std::string_view frame, ByteBuilder& out) {
   constexpr std::uint16_t kServiceGps = 1;
-  encode_ros_header(seq, fix.time_s, frame, out);
+  put_ros_header(seq, fix.time_s, frame, out);
   out.put(static_cast<std::int8_t>(fix.status));
   out.put(kServiceGps);
   out.put(fix.latitude_deg), out.put(fix.longitude_deg), out.put(fix.height_m);
@@ -45,7 +39,7 @@ void encode_nav_sat_fix(const GpsFix& fix, std::uint32_t seq, std::string_view f
 
 void encode_joint_state(const SpinnerAngle& angle, double rate_rad_s, std::uint32_t seq, std::string_view frame,
                         std::string_view joint, ByteBuilder& out) {
-  encode_ros_header(seq, angle.time_s, frame, out);
+  put_ros_header(seq, angle.time_s, frame, out);
   out.put(std::uint32_t{1}), out.text(joint);
   out.put(std::uint32_t{1}), out.put(angle.angle_rad);
   out.put(std::uint32_t{1}), out.put(rate_rad_s);

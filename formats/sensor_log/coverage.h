@@ -6,7 +6,7 @@
 
 namespace rayfield::formats {
 
-/// When a sensor of a log was awake.
+/// The time over which a sensor of a log delivered messages.
 struct SensorSpan {
   std::string name;
   double first_s = 0, last_s = 0;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+
+#include "formats/rosbag/point_cloud2.h"
+#include "formats/sensor_log/point_time.h"
 
 namespace rayfield::formats {
 namespace {
@@ -18,7 +22,7 @@ constexpr double kMaxRangeShare = 1.0 - 1e-4;
 }  // namespace
 
 /// A raw range after REP 117 and the rig's limits, counted.
-float LidarDecoder::classified(float range_m) {
+float LidarDecoder::classify(float range_m) {
   ++counts_.points;
   if (range_m == 0.0F) ++counts_.zeros;
   const double max_m = lidar_.max_range_m;
@@ -41,7 +45,7 @@ float LidarDecoder::classified(float range_m) {
   return range_m;
 }
 
-DecodeState LidarDecoder::judged(const LidarPointCounts& before) const {
+DecodeState LidarDecoder::state_since(const LidarPointCounts& before) const {
   const bool informative = counts_.returns > before.returns || counts_.no_returns > before.no_returns ||
                            counts_.too_close > before.too_close;
   return informative ? DecodeState::usable : DecodeState::invalid;
@@ -84,7 +88,7 @@ Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message,
   scan_.time_s = seconds_from_ns(stamp_ns);
   const LidarPointCounts before = counts_;
   for (std::size_t i = 0; i < view->beams(); ++i) {
-    scan_.range_m[i] = classified(load<float>(view->ranges.data() + i * sizeof(float)));
+    scan_.range_m[i] = classify(load<float>(view->ranges.data() + i * sizeof(float)));
   }
   // Some drivers leave intensities out, some send a different number: then there are none.
   scan_.intensity.clear();
@@ -92,9 +96,11 @@ Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message,
     scan_.intensity.resize(view->beams());
     std::memcpy(scan_.intensity.data(), view->intensities.data(), view->intensities.size());
   }
-  return judged(before);
+  return state_since(before);
 }
 
+/// Takes every point that has a time. Shots without a return come in two kinds: those with a place count by their
+/// range, those without (gaps) get their direction from the other beams once the whole sweep is known.
 Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns) {
   const std::optional<PointCloud2View> cloud = decode_point_cloud2(message);
   if (!cloud) return DecodeState::undecodable;
@@ -118,7 +124,7 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
   for (std::uint32_t row = 0; row < cloud->height; ++row) {
     const std::byte* point = cloud->data.data() + std::size_t{row} * cloud->row_step;
     for (std::uint32_t column = 0; column < cloud->width; ++column, point += cloud->point_step) {
-      const Eigen::Vector3d p(point_value(point, *x), point_value(point, *y), point_value(point, *z));
+      const Eigen::Vector3d p(x->value(point), y->value(point), z->value(point));
       const double offset_s = time.offset_s(point);
       const double range_m = p.norm();
       const bool placed = std::isfinite(range_m) && range_m > 0;
@@ -128,10 +134,9 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
         counts_.zeros += range_m == 0;
         continue;
       }
-      const auto number =
-          static_cast<std::uint16_t>(ring != nullptr     ? std::clamp(point_value(point, *ring), 0.0, 65535.0)
-                                     : cloud->height > 1 ? row
-                                                         : 0);
+      const auto number = static_cast<std::uint16_t>(ring != nullptr     ? std::clamp(ring->value(point), 0.0, 65535.0)
+                                                     : cloud->height > 1 ? row
+                                                                         : 0);
       const auto offset = static_cast<float>(offset_s);
       const Eigen::Vector3f direction = placed ? Eigen::Vector3f((p / range_m).cast<float>()) : Eigen::Vector3f::Zero();
       if (placed)
@@ -139,13 +144,13 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
       else
         gaps_.push_back({scan_.range_m.size(), number, range_m == 0});
       scan_.direction.push_back(direction);
-      scan_.range_m.push_back(placed ? classified(static_cast<float>(range_m)) : kInfinity);
+      scan_.range_m.push_back(placed ? classify(static_cast<float>(range_m)) : kInfinity);
       scan_.time_offset_s.push_back(offset);
-      if (intensity != nullptr) scan_.intensity.push_back(static_cast<float>(point_value(point, *intensity)));
+      if (intensity != nullptr) scan_.intensity.push_back(static_cast<float>(intensity->value(point)));
     }
   }
   fill_gaps();
-  return judged(before);
+  return state_since(before);
 }
 
 /// True where a cloud writes nothing like this instead of a point when nothing came back: there is no infinite point.

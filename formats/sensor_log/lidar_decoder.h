@@ -1,17 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/ros_decode.h"
 #include "formats/sensor_log/beam_geometry.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
-#include "rayfield/formats/sensor_log.h"
+#include "rayfield/formats/sensor_log_report.h"
 
 namespace rayfield::formats {
 
@@ -31,8 +29,8 @@ class LidarDecoder {
   const LidarPointCounts& counts() const { return counts_; }
 
  private:
-  float classified(float range_m);
-  DecodeState judged(const LidarPointCounts& before) const;
+  float classify(float range_m);
+  DecodeState state_since(const LidarPointCounts& before) const;
   void use_pattern(const LaserScanView& view);
   bool is_gap(double range_m) const;
   void fill_gaps();
@@ -54,44 +52,6 @@ class LidarDecoder {
   BeamGeometry beams_;
   std::vector<BeamGeometry::Shot> shots_;
   std::vector<Gap> gaps_;
-};
-
-/// Reads a field of any type as a double.
-inline double point_value(const std::byte* point, const PointFieldView& field) {
-  const std::byte* at = point + field.offset;
-  switch (field.type) {
-    case PointType::i8:
-      return static_cast<double>(load<std::int8_t>(at));
-    case PointType::u8:
-      return static_cast<double>(load<std::uint8_t>(at));
-    case PointType::i16:
-      return static_cast<double>(load<std::int16_t>(at));
-    case PointType::u16:
-      return static_cast<double>(load<std::uint16_t>(at));
-    case PointType::i32:
-      return static_cast<double>(load<std::int32_t>(at));
-    case PointType::u32:
-      return static_cast<double>(load<std::uint32_t>(at));
-    case PointType::f32:
-      return static_cast<double>(load<float>(at));
-    case PointType::f64:
-      return load<double>(at);
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-/// Time of each point of a cloud relative to the stamp of its message.
-class PointTime {
- public:
-  /// Finds the field that carries time per point (time, t, timestamp, offset_time and the like; docs/rosbag.md) and
-  /// its unit. Errors: bad_input where the cloud has none.
-  static Result<PointTime> find(const PointCloud2View& cloud, std::int64_t stamp_ns);
-  /// Seconds after the stamp.
-  double offset_s(const std::byte* point) const { return (point_value(point, field_) - base_) * factor_ - rest_s_; }
-
- private:
-  PointFieldView field_;
-  double base_ = 0, factor_ = 1, rest_s_ = 0;
 };
 
 }  // namespace rayfield::formats

@@ -6,9 +6,12 @@
 #include <map>
 #include <utility>
 
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/point_cloud2.h"
+#include "formats/rosbag/ros_decode.h"
+#include "formats/rosbag/ros_definitions.h"
 #include "formats/sensor_log/coverage.h"
 #include "formats/sensor_log/log_statistics.h"
+#include "formats/sensor_log/read_progress.h"
 #include "formats/sensor_log/sensor_topics.h"
 
 namespace rayfield::formats {
@@ -17,8 +20,8 @@ namespace {
 constexpr const char* kWhat = "cannot inspect log";
 
 /// Statistics of one topic; those of a sensor exist where the type is one that rayfield reads.
-struct TopicAccount {
-  explicit TopicAccount(const BagConnection& connection) {
+struct TopicStatistics {
+  explicit TopicStatistics(const BagConnection& connection) {
     info.topic = connection.topic;
     info.type = connection.type;
     info.raw_packets = is_raw_packets(connection.type);
@@ -121,9 +124,9 @@ void add_joint_problems(const LogInfo& info, std::vector<std::string>& lines) {
   bool turns = false;
   for (const JointInfo& joint : info.joints) {
     turns = turns || joint.turns();
-    if (joint.turns() && joint.longest_still_s > kTolerated_s) {
-      lines.push_back(
-          fmt::format("{}: joint '{}' stands still for {:.1f} s", joint.topic, joint.joint, joint.longest_still_s));
+    if (joint.turns() && joint.longest_stationary_s > kTolerated_s) {
+      lines.push_back(fmt::format("{}: joint '{}' stands still for {:.1f} s", joint.topic, joint.joint,
+                                  joint.longest_stationary_s));
     }
   }
   if (turns || info.joints.empty()) return;
@@ -131,7 +134,7 @@ void add_joint_problems(const LogInfo& info, std::vector<std::string>& lines) {
                               info.joints.front().topic, info.joints.front().joint, info.joints.front().travelled_rad));
 }
 
-/// Sensors that are not awake together. Clock jumps make spans meaningless.
+/// Sensors that begin or end apart from the others. Clock jumps make spans meaningless.
 void add_coverage_problems(const LogInfo& info, std::vector<std::string>& lines) {
   constexpr double kGps_s = 5.0;
   std::vector<SensorSpan> spans;
@@ -145,6 +148,7 @@ void add_coverage_problems(const LogInfo& info, std::vector<std::string>& lines)
   for (std::string& line : coverage_problems(spans)) lines.push_back(std::move(line));
 }
 
+/// What the values of the sensors give away: missing times, units that are wrong, sensors that saw nothing.
 void add_sensor_problems(const LogInfo& info, std::vector<std::string>& lines) {
   constexpr double kImplausible_rad_s = 10;  // of a vehicle between vines
   for (const LidarInfo& lidar : info.lidars) {
@@ -193,41 +197,38 @@ std::vector<std::string> LogInfo::problems() const {
   return lines;
 }
 
+/// One pass over the messages; the statistics of each topic take constant memory.
 Result<LogInfo> inspect_log(const std::string& path, const LogOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(BagReader bag, BagReader::open(path, options.bag));
   // By topic and type: several publishers of one topic are one topic.
-  std::map<std::pair<std::string, std::string>, TopicAccount> accounts;
-  const auto account_of = [&](const BagConnection& connection) -> TopicAccount& {
-    return accounts.try_emplace({connection.topic, connection.type}, connection).first->second;
+  std::map<std::pair<std::string, std::string>, TopicStatistics> topics;
+  const auto statistics_of = [&](const BagConnection& connection) -> TopicStatistics& {
+    return topics.try_emplace({connection.topic, connection.type}, connection).first->second;
   };
   RecordClock clock;
   BagMessage message;
-  std::uint64_t reported = 0;
+  ReadProgress progress(options.progress);
   const BagConnection* last_connection = nullptr;
-  TopicAccount* account = nullptr;
+  TopicStatistics* topic = nullptr;
   for (;;) {
     RAYFIELD_ASSIGN(const bool more, bag.next(message));
     if (!more) break;
     clock.advance(message.record_time_ns, options);
-    if (message.connection != last_connection) account = &account_of(*message.connection);
+    if (message.connection != last_connection) topic = &statistics_of(*message.connection);
     last_connection = message.connection;
-    account->add(message, clock.passed_ns, options);
-    if (options.progress != nullptr && bag.position() >= reported + (std::uint64_t{1} << 20)) {
-      options.progress->advance(bag.position() - reported);
-      reported = bag.position();
-      if (options.progress->cancelled())
-        return fail(ErrorCode::interrupted, kWhat, path, "stopped by the user", "run the same command again");
-    }
+    topic->add(message, clock.passed_ns, options);
+    if (!progress.advance(bag.position()))
+      return fail(ErrorCode::interrupted, kWhat, path, "stopped by the user", "run the same command again");
   }
-  for (const BagConnection& connection : bag.connections()) account_of(connection);
+  for (const BagConnection& connection : bag.connections()) statistics_of(connection);
   LogInfo info;
   info.bag = bag.summary();
   info.first_record_s = seconds_from_ns(clock.first_ns);
   info.last_record_s = seconds_from_ns(clock.latest_ns);
   info.duration_s = seconds_from_ns(clock.passed_ns);
   info.record_clock_jumps = clock.jumps;
-  for (auto& [key, each] : accounts) {
+  for (auto& [key, each] : topics) {
     each.stamps.report(each.info);
     info.topics.push_back(each.info);
     if (each.info.messages == 0) continue;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/sensor_log/lidar_decoder.h"
+#include "formats/sensor_log/point_time.h"
 
 namespace rayfield::formats {
 
@@ -87,10 +87,7 @@ void LidarStatistics::add(const PointCloud2View& cloud) {
   if (messages_++ % kEvery != 0) return;
   ++looked_at_;
   if (info_.fields.empty()) {
-    for (const PointFieldView& field : cloud.fields) {
-      if (!info_.fields.empty()) info_.fields += ' ';
-      info_.fields += field.name;
-    }
+    info_.fields = cloud.field_names();
     info_.has_point_time = PointTime::find(cloud, 0).has_value();
   }
   const PointFieldView* x = cloud.find("x");
@@ -100,7 +97,7 @@ void LidarStatistics::add(const PointCloud2View& cloud) {
   for (std::uint32_t row = 0; row < cloud.height; ++row) {
     const std::byte* point = cloud.data.data() + std::size_t{row} * cloud.row_step;
     for (std::uint32_t column = 0; column < cloud.width; ++column, point += cloud.point_step) {
-      add_range(Eigen::Vector3d(point_value(point, *x), point_value(point, *y), point_value(point, *z)).norm());
+      add_range(Eigen::Vector3d(x->value(point), y->value(point), z->value(point)).norm());
     }
   }
 }
@@ -157,10 +154,10 @@ void JointStatistics::add(const JointStateView& state, double time_s) {
     if (joint == joints_.end()) {
       if (joints_.size() >= kMaxJoints) continue;
       joints_.push_back({std::string(name), angle, 0, {}});
-      joints_.back().still.add(time_s, angle);
+      joints_.back().stationary.add(time_s, angle);
       continue;
     }
-    joint->still.add(time_s, angle);
+    joint->stationary.add(time_s, angle);
     joint->travelled_rad += std::abs(std::remainder(angle - joint->last_rad, 2 * std::numbers::pi));
     joint->last_rad = angle;
   }
@@ -168,7 +165,8 @@ void JointStatistics::add(const JointStateView& state, double time_s) {
 
 std::vector<JointInfo> JointStatistics::report() const {
   std::vector<JointInfo> list;
-  for (const Joint& joint : joints_) list.push_back({topic_, joint.name, joint.travelled_rad, joint.still.longest_s()});
+  for (const Joint& joint : joints_)
+    list.push_back({topic_, joint.name, joint.travelled_rad, joint.stationary.longest_s()});
   return list;
 }
 

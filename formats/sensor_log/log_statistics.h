@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "formats/rosbag/ros_messages.h"
-#include "formats/sensor_log/still_watch.h"
+#include "formats/rosbag/point_cloud2.h"
+#include "formats/rosbag/ros_decode.h"
+#include "formats/sensor_log/stationary_detector.h"
 #include "rayfield/formats/log_info.h"
 
 namespace rayfield::formats {
@@ -77,7 +78,7 @@ class JointStatistics {
   struct Joint {
     std::string name;
     double last_rad = 0, travelled_rad = 0;
-    StillWatch still;
+    StationaryDetector stationary;
   };
   std::string topic_;
   std::vector<Joint> joints_;

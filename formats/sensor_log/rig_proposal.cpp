@@ -1,10 +1,11 @@
+#include "rayfield/formats/rig_proposal.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "formats/io/toml_text.h"
-#include "rayfield/formats/log_info.h"
 
 namespace rayfield::formats {
 namespace {

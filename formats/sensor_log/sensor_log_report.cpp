@@ -1,3 +1,5 @@
+#include "rayfield/formats/sensor_log_report.h"
+
 #include <fmt/format.h>
 
 #include <utility>
@@ -5,7 +7,6 @@
 #include "formats/sensor_log/coverage.h"
 #include "formats/sensor_log/sensor_topics.h"
 #include "rayfield/core/date.h"
-#include "rayfield/formats/sensor_log.h"
 
 namespace rayfield::formats {
 namespace {
@@ -57,9 +58,9 @@ void add_silences(const LogReport& report, std::vector<std::string>& lines) {
       lines.push_back(fmt::format("{}: silent for {:.1f} s from {}", name, topic.longest_gap_s,
                                   utc_text(topic.longest_gap_start_s)));
     }
-    if (topic.longest_still_s > tolerated_silence_s(kind)) {
-      lines.push_back(fmt::format("{}: stands still for {:.1f} s from {}", name, topic.longest_still_s,
-                                  utc_text(topic.longest_still_start_s)));
+    if (topic.longest_stationary_s > tolerated_silence_s(kind)) {
+      lines.push_back(fmt::format("{}: stands still for {:.1f} s from {}", name, topic.longest_stationary_s,
+                                  utc_text(topic.longest_stationary_start_s)));
     }
   }
   for (std::string& line : coverage_problems(spans)) lines.push_back(std::move(line));

@@ -6,7 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "formats/rosbag/ros_messages.h"
+#include "formats/io/number_type.h"
+#include "formats/rosbag/ros_definitions.h"
+#include "formats/rosbag/ros_encode.h"
+#include "formats/rosbag/ros_header.h"
 
 namespace rayfield::formats {
 namespace {
@@ -32,7 +35,7 @@ void put_floats(std::span<const float> values, ByteBuilder& out) {
   out.raw(std::as_bytes(values));
 }
 
-void put_point_field(std::string_view name, std::uint32_t offset, PointType type, ByteBuilder& out) {
+void put_point_field(std::string_view name, std::uint32_t offset, NumberType type, ByteBuilder& out) {
   out.text(name), out.put(offset), out.put(static_cast<std::uint8_t>(type)), out.put(std::uint32_t{1});
 }
 
@@ -113,7 +116,7 @@ Result<void> SensorLogWriter::scan(double time_s, const ScanPattern& pattern, st
   }
   Impl::Topic& topic = impl_->use(impl_->lidar, impl_->rig.lidar.topic, laser_scan_definition());
   ByteBuilder& out = impl_->message;
-  encode_ros_header(topic.seq, time_s, "lidar", out);
+  put_ros_header(topic.seq, time_s, "lidar", out);
   const double last = pattern.beams > 0 ? static_cast<double>(pattern.beams - 1) : 0.0;
   for (const double value :
        {pattern.angle_min_rad, pattern.angle_min_rad + last * pattern.angle_increment_rad, pattern.angle_increment_rad,
@@ -128,6 +131,7 @@ Result<void> SensorLogWriter::scan(double time_s, const ScanPattern& pattern, st
   return impl_->write(topic, time_s);
 }
 
+/// The layout of the points is fixed (kPointStep), whatever the scan holds: missing columns are written as zeros.
 Result<void> SensorLogWriter::points(const LidarScan& scan, std::span<const std::uint16_t> ring) {
   const std::size_t count = scan.range_m.size();
   if (scan.direction.size() != count || scan.time_offset_s.size() != count ||
@@ -137,15 +141,15 @@ Result<void> SensorLogWriter::points(const LidarScan& scan, std::span<const std:
   if (count > (std::size_t{1} << 30) / kPointStep) return fail(ErrorCode::usage, kWhat, "points", "over 1 GiB");
   Impl::Topic& topic = impl_->use(impl_->lidar, impl_->rig.lidar.topic, point_cloud2_definition());
   ByteBuilder& out = impl_->message;
-  encode_ros_header(topic.seq, scan.time_s, "lidar", out);
+  put_ros_header(topic.seq, scan.time_s, "lidar", out);
   out.put(std::uint32_t{1}), out.put(static_cast<std::uint32_t>(count));
   out.put(std::uint32_t{6});
-  put_point_field("x", 0, PointType::f32, out);
-  put_point_field("y", 4, PointType::f32, out);
-  put_point_field("z", 8, PointType::f32, out);
-  put_point_field("intensity", 12, PointType::f32, out);
-  put_point_field("ring", 16, PointType::u16, out);
-  put_point_field("time", 18, PointType::f32, out);
+  put_point_field("x", 0, NumberType::f32, out);
+  put_point_field("y", 4, NumberType::f32, out);
+  put_point_field("z", 8, NumberType::f32, out);
+  put_point_field("intensity", 12, NumberType::f32, out);
+  put_point_field("ring", 16, NumberType::u16, out);
+  put_point_field("time", 18, NumberType::f32, out);
   out.put(std::uint8_t{0}), out.put(kPointStep), out.put(static_cast<std::uint32_t>(count * kPointStep));
   out.put(static_cast<std::uint32_t>(count * kPointStep));
   bool dense = true;

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "formats/rosbag/ros_messages.h"
+#include "formats/rosbag/ros_definitions.h"
 
 namespace rayfield::formats {
 namespace {

@@ -283,6 +283,7 @@ Result<Rig> read_rig(const std::string& path) {
   return parse_rig(text, path);
 }
 
+/// Numbers are written with as many digits as bring the same double back.
 std::string rig_text(const Rig& rig) {
   std::string out = fmt::format("[lidar]\ntopic = {}\nmin_range_m = {}\nmax_range_m = {}\nno_return = \"{}\"\n\n",
                                 toml_quoted(rig.lidar.topic), rig.lidar.min_range_m, rig.lidar.max_range_m,

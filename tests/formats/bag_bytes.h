@@ -1,20 +1,20 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tests/formats/temporary_file.h"
+
 /// Bags and messages byte by byte, from the public description of the format and independent of the library's writer.
 namespace rayfield::formats::bytes {
+
+using testing::read_file;
+using testing::shared_folder;
+using testing::TemporaryFile;
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -123,47 +123,6 @@ inline std::string cloud(std::uint32_t seconds, std::uint32_t nanoseconds, const
   std::string out = header(seconds, nanoseconds) + u32(1) + u32(data.size() / point_step) + u32(fields.size());
   for (const CloudField& f : fields) out += counted(f.name) + u32(f.offset) + u8(f.type) + u32(1);
   return out + u8(big_endian ? 1 : 0) + u32(point_step) + u32(data.size()) + counted(data) + u8(1);
-}
-
-/// A file that is gone when the test is over.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& content, const std::string& suffix = ".bag") {
-    static int number = 0;
-    // In memory where the system has such a folder: these tests write thousands of files.
-    const std::filesystem::path shared_memory = "/dev/shm";
-    const bool in_memory = ::access(shared_memory.c_str(), W_OK) == 0;
-    path_ = ((in_memory ? shared_memory : std::filesystem::temp_directory_path()) /
-             ("rayfield_formats_" + std::to_string(::getpid()) + "_" + std::to_string(number++) + suffix))
-                .string();
-    write(content);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  void write(const std::string& content) const {
-    std::ofstream(path_, std::ios::binary | std::ios::trunc)
-        .write(content.data(), static_cast<std::streamsize>(content.size()));
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-inline std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-/// The folder of shared test data; empty where it is absent.
-inline std::string shared_folder() {
-  const char* from_environment = std::getenv("RAYFIELD_SHARED");
-  const std::string folder = from_environment != nullptr ? from_environment : RAYFIELD_SHARED_DEFAULT;
-  return std::filesystem::is_directory(folder + "/data") ? folder + "/data" : std::string();
 }
 
 }  // namespace rayfield::formats::bytes

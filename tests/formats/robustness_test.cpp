@@ -6,6 +6,7 @@
 #include "rayfield/formats/ply_reader.h"
 #include "rayfield/formats/ply_writer.h"
 #include "rayfield/formats/rig_file.h"
+#include "rayfield/formats/rig_proposal.h"
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/formats/sensor_log_writer.h"
 #include "tests/formats/bag_bytes.h"

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "rayfield/formats/log_info.h"
+#include "rayfield/formats/rig_proposal.h"
 #include "rayfield/formats/sensor_log.h"
 #include "tests/fuzz/memory_file.h"
 

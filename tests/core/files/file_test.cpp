@@ -71,6 +71,16 @@ TEST_F(File, WritesLandWhereTheyShouldAndFailuresSayWhy) {
   EXPECT_EQ(failed.error().code, ErrorCode::resources);
 }
 
+TEST_F(File, SyncingSaysWhatTheSystemRefuses) {
+  const FileDescriptor file(::open(path("out").c_str(), O_RDWR | O_CREAT, 0600));
+  EXPECT_TRUE(sync_file(file, "cannot write", path("out")));
+  const Result<void> failed = sync_file(FileDescriptor(), "cannot write", path("out"));
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().where, path("out"));
+  EXPECT_TRUE(sync_directory(folder_.string(), "cannot write"));
+  EXPECT_FALSE(sync_directory(path("missing"), "cannot write"));
+}
+
 TEST_F(File, ADescriptorIsClosedOnce) {
   FileDescriptor first(::open(folder_.c_str(), O_RDONLY));
   const int number = first.get();

@@ -59,6 +59,9 @@ struct FileDigest {
 Result<FileDigest> digest_file(const std::string& path, std::string_view what,
                                const std::function<bool()>& cancelled = {});
 
+/// Makes what was written to a file durable. Errors: as fail_errno().
+Result<void> sync_file(const FileDescriptor& file, std::string_view what, const std::string& path,
+                       std::string_view next = {});
 /// Makes the names in a folder durable. File systems that cannot sync folders (EINVAL) count as done.
 Result<void> sync_directory(const std::string& folder, std::string_view what, std::string_view next = {});
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <span>
 
+#include "rayfield/core/file.h"
 #include "rayfield/core/result.h"
 
 namespace rayfield {
@@ -21,7 +22,6 @@ class SpillFile {
 
   /// The file is created with the first append().
   explicit SpillFile(std::filesystem::path directory) : directory_(std::move(directory)) {}
-  ~SpillFile();
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
 
@@ -39,7 +39,7 @@ class SpillFile {
 
   std::filesystem::path directory_;
   std::mutex mutex_;
-  int file_ = -1;
+  FileDescriptor file_;
   std::atomic<std::uint64_t> end_{0};
 };
 

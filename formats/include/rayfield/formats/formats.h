@@ -2,26 +2,27 @@
 
 /// Readers and writers at the edge: one header per format.
 
-// Products for GIS and for people (docs/products.md)
-#include "rayfield/formats/canvas.h"      // points, lines and text on a PNG of one's own
-#include "rayfield/formats/color.h"       // ramps and the fixed colour scale of each product
-#include "rayfield/formats/exchange.h"    // GeoJSON and CSV
-#include "rayfield/formats/geopackage.h"  // a block with all its dates as one GeoPackage
-#include "rayfield/formats/geotiff.h"     // rasters as Cloud Optimised GeoTIFF, sections in a local frame
-#include "rayfield/formats/picture.h"     // plan views, side views and end-on sections as PNG
-
 // Logs of a drive (docs/rosbag.md)
-#include "rayfield/formats/log_info.h"           // what is in a log, its problems, a proposed rig file
+#include "rayfield/formats/log_info.h"           // what is in a log, and its problems
+#include "rayfield/formats/rig_proposal.h"       // a rig file to start from, made from that
 #include "rayfield/formats/rosbag_reader.h"      // the container: messages of a ROS 1 bag, damaged ones too
 #include "rayfield/formats/rosbag_writer.h"      // the same, written with index
 #include "rayfield/formats/sensor_log.h"         // the sensors of a rig from a log
+#include "rayfield/formats/sensor_log_report.h"  // what became of a log's messages
 #include "rayfield/formats/sensor_log_writer.h"  // the sensors of a rig into a log
 
 // Ray clouds (docs/ray-cloud-ply.md)
 #include "rayfield/formats/ply_reader.h"  // a stream of rays from raycloudtools PLY
 #include "rayfield/formats/ply_writer.h"  // the same, written
 
-// Text files of a vehicle
-#include "rayfield/formats/rig_file.h"         // how the sensors are mounted (docs/rig.md)
-#include "rayfield/formats/text_output.h"      // a text whole or not at all
+// Text files
+#include "rayfield/formats/rig_file.h"         // how the sensors of a vehicle are mounted (docs/rig.md)
+#include "rayfield/formats/text_output.h"      // any text, whole or not at all
 #include "rayfield/formats/trajectory_file.h"  // poses after the TUM convention
+
+// Products for GIS and for people (docs/products.md)
+#include "rayfield/formats/exchange.h"    // GeoJSON and CSV
+#include "rayfield/formats/geopackage.h"  // a block with all its dates as one GeoPackage
+#include "rayfield/formats/geotiff.h"     // rasters as Cloud Optimised GeoTIFF, sections in a local frame
+#include "rayfield/formats/picture.h"     // plan views, side views and end-on sections as PNG
+#include "rayfield/formats/style.h"       // their colours, lines and text

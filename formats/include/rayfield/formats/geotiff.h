@@ -10,7 +10,7 @@
 
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
-#include "rayfield/formats/color.h"
+#include "rayfield/formats/style.h"
 
 /// Rasters as GeoTIFF: one Float32 band, NaN = not scanned = nodata, unit and description set, statistics inside the
 /// file, a QGIS style beside it. Equal input gives equal bytes. See docs/products.md.
@@ -36,7 +36,7 @@ struct GeoTiffOptions {
 
   /// Writes `<stem>.qml` beside the raster.
   bool write_style = true;
-  /// Colours of the style; default: product_scale() of the raster's name.
+  /// Colours of the style; default: the fixed scale of the product (docs/products.md).
   std::optional<ColorScale> scale;
 
   /// Further metadata items of the file, in this order ("scan_date", "2019-02-11"). Keys: letters, digits, underscore.

@@ -61,8 +61,8 @@ struct GpsInfo {
 
 struct JointInfo {
   std::string topic, joint;
-  double travelled_rad = 0;    ///< sum of the absolute steps, wraps of a full turn taken out
-  double longest_still_s = 0;  ///< how long its angle stayed the same
+  double travelled_rad = 0;         ///< sum of the absolute steps, wraps of a full turn taken out
+  double longest_stationary_s = 0;  ///< how long its angle stayed the same
   /// It goes round: at least one full turn. Others wobble, or are stuck.
   bool turns() const { return travelled_rad >= 2 * std::numbers::pi; }
 };
@@ -84,9 +84,5 @@ struct LogInfo {
 
 /// Reads the whole log once, in bounded memory. Errors: bad_input (not a bag), resources, interrupted, usage.
 Result<LogInfo> inspect_log(const std::string& path, const LogOptions& options = {});
-
-/// A rig file for a log: its topics, ranges and no-return convention filled in, the mounting (which no log tells) as
-/// comments that have to be completed before the file is accepted.
-std::string propose_rig(const LogInfo& info);
 
 }  // namespace rayfield::formats

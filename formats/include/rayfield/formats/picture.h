@@ -8,11 +8,9 @@
 
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
-#include "rayfield/formats/canvas.h"
-#include "rayfield/formats/color.h"
+#include "rayfield/formats/style.h"
 
 /// Maps, plans and vertical sections as PNG, without a display. NaN is hatched grey ("not scanned"), zero is light.
-/// For several drawings of one's own, see canvas.h.
 namespace rayfield::formats {
 
 struct PictureOptions {
@@ -21,7 +19,7 @@ struct PictureOptions {
   /// The map is drawn smaller where the picture would become higher than this, 300 … 20000 px.
   int max_height_px = 1500;
   std::string title, subtitle;
-  /// Default: product_scale() of the product's name.
+  /// Default: the fixed scale of the product (docs/products.md).
   std::optional<ColorScale> scale;
   /// Heading of the colour bar; default: a name made from the product and its unit.
   std::string legend;

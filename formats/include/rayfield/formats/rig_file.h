@@ -1,5 +1,7 @@
 #pragma once
 
+/// vehicle: the text files of a vehicle, its rig and its trajectory.
+
 #include <string>
 #include <string_view>
 

@@ -28,7 +28,7 @@ struct BagMessage {
   std::uint64_t offset = 0;         ///< of its record in the file, or of its chunk where that is compressed
 };
 
-/// A stretch of the file whose messages could not be read.
+/// Part of the file whose messages could not be read.
 struct BagLoss {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;         ///< on disk, bytes missing behind the end of a cut file included where known
@@ -43,12 +43,11 @@ struct BagSummary {
   std::uint64_t chunks = 0, complete_chunks = 0;
   std::uint64_t messages = 0;         ///< delivered
   std::uint64_t orphan_messages = 0;  ///< without a readable connection record: topic unknown, not delivered
-  std::int64_t first_record_time_ns = 0, last_record_time_ns = 0;
+  std::int64_t last_record_time_ns = 0;
   std::vector<BagLoss> losses;  ///< in file order; at most 100 are listed, all are counted
   std::uint64_t loss_count = 0, lost_bytes = 0;
   double lost_s = 0;
 
-  bool undamaged() const { return loss_count == 0 && orphan_messages == 0; }
   /// One line for each loss and for a missing index; empty for a sound bag.
   std::vector<std::string> problems() const;
 };

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "rayfield/formats/log_info.h"
+
+namespace rayfield::formats {
+
+/// A rig file for a log: its topics, ranges and no-return convention filled in, the mounting (which no log tells) as
+/// comments that have to be completed before the file is accepted.
+std::string propose_rig(const LogInfo& info);
+
+}  // namespace rayfield::formats

@@ -1,0 +1,252 @@
+#include "rayfield/formats/picture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "formats/picture/color.h"
+#include "tests/formats/png_image.h"
+#include "tests/formats/products_support.h"
+
+namespace rayfield::formats {
+namespace {
+
+using Eigen::Vector2d;
+using testing::Blob;
+using testing::find;
+using testing::Image;
+using testing::make_block;
+using testing::message;
+using testing::nanf_value;
+using testing::read_file;
+using testing::read_png;
+using testing::TemporaryFolder;
+
+/// Share of the width from the left, to leave out the legend.
+constexpr double without_legend = 0.8;
+
+/// A scale whose every value differs from the greys around the map; the value between two stops is not on the ramp's
+/// ends.
+const ColorScale scale{0, 8, Ramp::canopy};
+
+RasterProduct flat(int nx, int ny, float value) {
+  return {"plan_density", "m2/m2", "", Grid2<float>({276100, 6099900}, 0.5, nx, ny, value)};
+}
+
+/// The legend's bar shows every colour once; blocks of cells are far larger.
+constexpr int more_than_the_legend = 200;
+
+TEST(PlanPicture, ShowsEachValueInItsColourWithNorthUpAndEastRight) {
+  const TemporaryFolder folder;
+  RasterProduct raster = flat(80, 60, 0);
+  const auto patch = [&raster](int x, int y, float value) {
+    for (int iy = y; iy < y + 10; ++iy) {
+      for (int ix = x; ix < x + 10; ++ix) raster.grid.at(ix, iy) = value;
+    }
+  };
+  patch(5, 45, 2);   // north-west
+  patch(65, 45, 4);  // north-east
+  patch(5, 5, 6);    // south-west
+  const auto written = write_plan_picture(raster, {}, folder / "p.png");
+  ASSERT_TRUE(written) << message(written);
+  const Image image = read_png(folder / "p.png");
+  const Blob nw = find(image, color_at(scale, 2)), ne = find(image, color_at(scale, 4)),
+             sw = find(image, color_at(scale, 6));
+  ASSERT_GT(nw.count, more_than_the_legend);
+  ASSERT_GT(ne.count, more_than_the_legend);
+  ASSERT_GT(sw.count, more_than_the_legend);
+  EXPECT_LT(nw.x, ne.x);
+  EXPECT_LT(nw.y, sw.y);
+  EXPECT_NEAR(nw.x, sw.x, 0.05 * image.width);
+  EXPECT_GT(find(image, color_at(scale, 0)).count, 10 * more_than_the_legend);
+}
+
+TEST(PlanPicture, CellsThatWereNotScannedAreHatchedGreyNotColoured) {
+  const TemporaryFolder folder;
+  RasterProduct raster = flat(80, 60, 0);
+  for (int iy = 20; iy < 40; ++iy) {
+    for (int ix = 20; ix < 60; ++ix) raster.grid.at(ix, iy) = nanf_value;
+  }
+  PictureOptions options;
+  options.crop_to_data = false;
+  options.coordinates = false;
+  ASSERT_TRUE(write_plan_picture(raster, {}, folder / "p.png", options));
+  const Image image = read_png(folder / "p.png");
+  // Zero covers the raster but for the hole; the hole's middle is the middle of that area.
+  const Blob zero = find(image, color_at(scale, 0), without_legend);
+  const int cx = (zero.low_x + zero.high_x) / 2, cy = (zero.low_y + zero.high_y) / 2;
+  int lightest = 0, darkest = 255;
+  for (int y = cy - 20; y < cy + 20; ++y) {
+    for (int x = cx - 20; x < cx + 20; ++x) {
+      const Rgba& p = image.at(x, y);
+      ASSERT_TRUE(p.r == p.g && p.g == p.b) << "coloured at " << x << "," << y;
+      lightest = std::max<int>(lightest, p.r), darkest = std::min<int>(darkest, p.r);
+    }
+  }
+  EXPECT_GT(lightest - darkest, 10) << "no hatching";
+}
+
+TEST(PlanPicture, FineCellsAreAveragedByArea) {
+  const TemporaryFolder folder;
+  // A chessboard of 2 and 6 with many cells a pixel: every pixel must be near 4, and no 2 or 6 remain.
+  RasterProduct raster = flat(8000, 6000, 2);
+  for (int iy = 0; iy < 6000; ++iy) {
+    for (int ix = iy % 2; ix < 8000; ix += 2) raster.grid.at(ix, iy) = 6;
+  }
+  PictureOptions options;
+  options.width_px = 500;
+  options.coordinates = false;
+  ASSERT_TRUE(write_plan_picture(raster, {}, folder / "p.png", options));
+  const Image image = read_png(folder / "p.png");
+  const Rgba mean = color_at(scale, 4), near_low = color_at(scale, 3.9), near_high = color_at(scale, 4.1);
+  const auto between = [](int value, int a, int b) { return value >= std::min(a, b) && value <= std::max(a, b); };
+  int good = 0, bad = 0;
+  for (int y = image.height / 3; y < image.height / 2; ++y) {
+    for (int x = image.width / 5; x < image.width / 2; ++x) {
+      const Rgba& p = image.at(x, y);
+      const bool close = between(p.r, near_low.r, near_high.r) || p.r == mean.r;
+      const bool same_family = between(p.g, near_low.g, near_high.g) || p.g == mean.g;
+      (close && same_family ? good : bad) += 1;
+    }
+  }
+  EXPECT_GT(good, 1000);
+  EXPECT_EQ(bad, 0);
+}
+
+TEST(PlanPicture, OverlaysLieOnTheCellsTheyBelongTo) {
+  const TemporaryFolder folder;
+  RasterProduct raster = flat(80, 60, 0);
+  for (int iy = 40; iy < 44; ++iy) {
+    for (int ix = 60; ix < 64; ++ix) raster.grid.at(ix, iy) = 6;
+  }
+  const Vector2d middle = raster.grid.origin + 0.5 * Vector2d(62, 42);
+  ASSERT_TRUE(write_plan_picture(raster, {}, folder / "without.png"));
+  const Blob cells = find(read_png(folder / "without.png"), color_at(scale, 6), without_legend);
+  PlanOverlay overlay;
+  overlay.markers.push_back({middle, {255, 0, 255, 255}, 4});
+  ASSERT_TRUE(write_plan_picture(raster, overlay, folder / "with.png"));
+  const Blob marker = find(read_png(folder / "with.png"), {255, 0, 255, 255});
+  ASSERT_GT(marker.count, 20);
+  ASSERT_GT(cells.count, more_than_the_legend);
+  EXPECT_NEAR(marker.x, (cells.low_x + cells.high_x + 1) / 2.0, 1.0);
+  EXPECT_NEAR(marker.y, (cells.low_y + cells.high_y + 1) / 2.0, 1.0);
+}
+
+TEST(PlanPicture, HasTheWidthAskedForStaysUnderTheHeightAndRepeatsByteForByte) {
+  const TemporaryFolder folder;
+  const BlockProducts block = make_block(4, 6, {"2019-02-11"});
+  RasterProduct raster = flat(40, 200, 3);
+  raster.grid.origin = block.rows[0].centreline[0] - Vector2d(3, 3);
+  PictureOptions options;
+  options.title = "Block <a> & \"b\" Grüner \xff 葡萄";
+  options.subtitle = "2019-02-11";
+  for (const auto& [width, height] : {std::pair(1600, 1800), {800, 600}, {3200, 2000}}) {
+    options.width_px = width;
+    options.max_height_px = height;
+    ASSERT_TRUE(write_plan_picture(raster, block_overlay(block), folder / "a.png", options));
+    ASSERT_TRUE(write_plan_picture(raster, block_overlay(block), folder / "b.png", options));
+    EXPECT_TRUE(read_file(folder / "a.png") == read_file(folder / "b.png"));
+    const Image image = read_png(folder / "a.png");
+    EXPECT_GT(image.width, width / 2);
+    EXPECT_LE(image.width, width);
+    EXPECT_LE(image.height, height + 2);
+  }
+}
+
+TEST(PlanPicture, ARasterWithoutValuesStillGivesAMap) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_plan_picture(flat(10, 10, nanf_value), {}, folder / "p.png"));
+  EXPECT_GT(read_png(folder / "p.png").width, 400);
+}
+
+TEST(PlanPicture, ATrajectoryCanBeDrawnWithoutARaster) {
+  const TemporaryFolder folder;
+  PlanOverlay plan;
+  plan.lines.push_back({{{276100, 6099900}, {276150, 6099900}}, {{0, 0, 255, 255}, 6, 0}, false});
+  ASSERT_TRUE(write_plan_picture(plan, folder / "t.png"));
+  const Blob line = find(read_png(folder / "t.png"), {0, 0, 255, 255});
+  EXPECT_GT(line.high_x - line.low_x, 100 * (line.high_y - line.low_y) / 4);
+  EXPECT_GT(line.count, 1000);
+}
+
+TEST(PlanPicture, WrongInputIsRefused) {
+  const TemporaryFolder folder;
+  const auto code = [](const Result<void>& result) { return result ? ErrorCode{} : result.error().code; };
+  EXPECT_EQ(code(write_plan_picture(PlanOverlay{}, folder / "p.png")), ErrorCode::usage);
+  PlanOverlay broken;
+  broken.markers.push_back({Vector2d(testing::nan_value, 0), {}, 3});
+  EXPECT_EQ(code(write_plan_picture(broken, folder / "p.png")), ErrorCode::usage);
+  PictureOptions options;
+  options.width_px = 10;
+  EXPECT_EQ(code(write_plan_picture(flat(10, 10, 1), {}, folder / "p.png", options)), ErrorCode::usage);
+  RasterProduct inconsistent = flat(10, 10, 1);
+  inconsistent.grid.nx = 11;
+  EXPECT_EQ(code(write_plan_picture(inconsistent, {}, folder / "p.png")), ErrorCode::internal);
+  EXPECT_EQ(code(write_section_picture(std::span<const LabelledSection>{}, folder / "p.png")), ErrorCode::usage);
+  const LabelledSection missing;
+  EXPECT_EQ(code(write_section_picture(std::span(&missing, 1), folder / "p.png")), ErrorCode::internal);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+SectionProduct section(int nx, int ny) { return {"side_view_row_3", "m2/m2", 3, Grid2<float>({0, 0}, 0.1, nx, ny, 0)}; }
+
+/// A 1 m × 1 m square of one value with its lower left corner at (x, y), in cells of 0.1 m.
+void add_square(SectionProduct& product, int x, int y, float value) {
+  for (int iy = y; iy < y + 10; ++iy) {
+    for (int ix = x; ix < x + 10; ++ix) product.grid.at(ix, iy) = value;
+  }
+}
+
+TEST(SectionPicture, KeepsProportionsWithTheGroundBelow) {
+  const TemporaryFolder folder;
+  SectionProduct side = section(200, 25);
+  add_square(side, 50, 2, 3);      // low
+  add_square(side, 150, 13, 4.5);  // high, further along
+  const auto written = write_section_picture(side, folder / "s.png");
+  ASSERT_TRUE(written) << message(written);
+  const Image image = read_png(folder / "s.png");
+  EXPECT_EQ(image.width, 1600);
+  const ColorScale section_scale{0, 6, Ramp::canopy};
+  const Blob low = find(image, color_at(section_scale, 3)), high = find(image, color_at(section_scale, 4.5));
+  ASSERT_GT(low.count, 1000);
+  ASSERT_GT(high.count, 1000);
+  const auto fill_box = [](const Blob& blob) { return std::sqrt(static_cast<double>(blob.count)); };
+  // The bar shows the same colours, so boxes are measured from counts: squares of equal size, 10 m apart, 1.1 m up.
+  const double metre_px = fill_box(low);
+  EXPECT_NEAR(fill_box(high), metre_px, 0.1 * metre_px);
+  EXPECT_GT(high.x, low.x);
+  EXPECT_LT(high.y, low.y);
+  EXPECT_NEAR((high.x - low.x) / (low.y - high.y), 10 / 1.1, 1.5);
+}
+
+TEST(SectionPicture, LongRowsAreContinuedOnFurtherLinesWithoutLosingAnything) {
+  const TemporaryFolder folder;
+  SectionProduct longer = section(1200, 25), shorter = section(300, 25);
+  for (SectionProduct* product : {&longer, &shorter}) {
+    for (float& value : product->grid.values) value = 3;
+  }
+  ASSERT_TRUE(write_section_picture(longer, folder / "long.png"));
+  ASSERT_TRUE(write_section_picture(shorter, folder / "short.png"));
+  const Image long_image = read_png(folder / "long.png"), short_image = read_png(folder / "short.png");
+  const Rgba color = color_at({0, 6, Ramp::canopy}, 3);
+  EXPECT_GT(long_image.height, 2 * short_image.height);
+  // 120 m and 30 m at nearly the same scale: four times the area, less outlines and axes.
+  const double ratio = static_cast<double>(find(long_image, color).count) / find(short_image, color).count;
+  EXPECT_NEAR(ratio, 4.0, 0.4);
+}
+
+TEST(SectionPicture, ManySectionsStayUnderTheGreatestHeight) {
+  const TemporaryFolder folder;
+  std::vector<SectionProduct> sections(12, section(500, 25));
+  std::vector<LabelledSection> labelled;
+  for (const SectionProduct& s : sections) labelled.push_back({&s, "row <&> ü", {0, 6.5, 13}});
+  PictureOptions options;
+  options.max_height_px = 1500;
+  ASSERT_TRUE(write_section_picture(labelled, folder / "s.png", options));
+  EXPECT_LE(read_png(folder / "s.png").height, 1500);
+}
+
+}  // namespace
+}  // namespace rayfield::formats
