@@ -18,7 +18,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 
 function(rayfield_compile_settings target)
-  # Contraction changes results between compilers and targets; see docs/determinism.md.
+  # Contraction changes results between compilers and targets; see docs/architecture.md, "Determinism".
   target_compile_options(${target} PRIVATE ${RAYFIELD_WARNINGS} -ffp-contract=off)
   if(RAYFIELD_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
