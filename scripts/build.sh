@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs the packages of a preset of CMakePresets.json, configures it and builds it in build/PRESET.
-# Usage: scripts/build.sh [PRESET] [-DVARIABLE=VALUE...] [ARGUMENT...]   (default: release; arguments go to cmake --build)
+# Usage: scripts/build.sh [PRESET] [-DVARIABLE=VALUE...] [ARGUMENT...]   (default: release; ARGUMENT: of cmake --build)
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-release}

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Checks that need no build: format and links; with the argument `lint` also clang-tidy over every source.
-# Usage: scripts/check.sh [format] [links] [lint [ARGUMENT...]]   (default: format links; arguments: see scripts/lint.py)
+# Usage: scripts/check.sh [format] [links] [lint [ARGUMENT...]]   (default: format links; ARGUMENT: of scripts/lint.py)
 set -eu
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- format links

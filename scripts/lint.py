@@ -72,7 +72,7 @@ class Dependencies:
 def newest_first(sources):
     """The sources in the order of their last commits; tests behind others of the same age."""
     rank, commits = {}, 0
-    for line in output_of("git", "log", "--format=commit", "--name-only", "-n", "200").split("\n"):
+    for line in output_of("git", "log", "--format=tformat:commit", "--name-only", "-n", "200").split("\n"):
         commits += line == "commit"
         rank.setdefault(line, commits)
     return sorted(sources, key=lambda source: (rank.get(source, commits + 1), source.startswith("tests/"), source))
@@ -106,8 +106,9 @@ def main():
         sys.exit(f"lint: in no target of the preset lint: {' '.join(strangers)}")
 
     CACHE.mkdir(parents=True, exist_ok=True)
-    rules = [output_of(tidy, "--version"), arguments.checks or "",
-             *(path.read_text() for path in [ROOT / ".clang-tidy", *sorted(ROOT.glob("*/.clang-tidy"))])]
+    # The rules without their comments, and those of folders that differ.
+    rules = [output_of(tidy, "--version"), arguments.checks or "", output_of(tidy, "--dump-config"),
+             *(path.read_text() for path in sorted(ROOT.glob("*/.clang-tidy")))]
     dependencies = Dependencies()
     begun = time.monotonic()
 
