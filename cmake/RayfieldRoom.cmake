@@ -18,7 +18,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 
 function(rayfield_compile_settings target)
-  # Contraction changes results between compilers and targets; see docs/determinism.md.
+  # Contraction changes results between compilers and targets; see docs/architecture.md, "Determinism".
   target_compile_options(${target} PRIVATE ${RAYFIELD_WARNINGS} -ffp-contract=off)
   if(RAYFIELD_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
@@ -31,10 +31,10 @@ endfunction()
 
 # rayfield_check_subrooms(<folder of the room> <folder of its public headers or ""> <sub-room>...)
 #
-# Sub-rooms are ordered from the ground up: a file may include private headers of its own sub-room and of those before it.
-# An include that runs back up, or into another room's private headers, stops the configure step, as does a source in no
-# sub-room. A public header belongs to the sub-room that holds the source of its name; one without a source is vocabulary
-# and open to all.
+# Sub-rooms are ordered from the ground up: a file may include private headers of its own sub-room and of those before
+# it. An include that runs back up, or into another room's private headers, stops the configure step, as does a source in
+# no sub-room. A public header belongs to the sub-room that holds the source of its name; one without a source is
+# vocabulary and open to all.
 function(rayfield_check_subrooms folder public)
   get_filename_component(room ${folder} NAME)
   set(subrooms ${ARGN})

@@ -1,18 +1,19 @@
 #!/bin/bash
-# Hashes everything that rayfield makes of three inputs: the demonstration (simulated logs, clouds, truth, store, maps), both
-# logs of the shared block_a (through SLAM to maps) and a simulated fixed 16-beam lidar (from its log, through SLAM to maps).
-# A change that is meant to change no result is held against the program as it was before:
+# Hashes everything that rayfield makes of three inputs: the demonstration (simulated logs, clouds, truth, store, maps),
+# both logs of the shared block_a (through SLAM to maps) and a simulated fixed 16-beam lidar (from its log, through SLAM
+# to maps). A change that is meant to change no result is held against the program as it was before:
 #
 #   scripts/same-bytes.sh PROGRAM               prints "SHA-256  name" for every file, ordered by name
 #   scripts/same-bytes.sh OLD_PROGRAM PROGRAM   runs both, prints what differs; exit code 1 if anything does
 #
-# Left out is what holds the time of the run or names its place: snapshots, and the timings in SLAM reports. Files in a store
-# are named without the hashes in their names, so that a file whose content is the same under another key is the same.
+# Left out is what holds the time of the run or names its place: snapshots, and the timings in SLAM reports. Files in a
+# store are named without the hashes in their names, so that a file whose content is the same under another key is the
+# same.
 # Needs about 3 GB in TMPDIR at a time. RAYFIELD_SHARED names the folder of the shared data (default: ../shared).
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 shared=${RAYFIELD_SHARED:-$root/../shared}
-[ $# -ge 1 ] && [ $# -le 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] && [ $# -le 2 ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 
 # One site through the chain, from clouds or logs: map_site PROGRAM FOLDER CRS DATE=INPUT...
 map_site() {

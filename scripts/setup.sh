@@ -1,11 +1,20 @@
 #!/bin/sh
-# Installs the Debian packages of scripts/packages.txt that are missing. Needs root, or sudo.
+# Installs what is missing of lists of Debian packages. Needs root, or sudo.
+# Usage: scripts/setup.sh [LIST...]   LIST: user (packages.txt; the default), test, check (packages-LIST.txt)
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+[ $# -gt 0 ] || set -- user
 missing=""
-for package in $(sed 's/#.*//' "$here/packages.txt"); do
-  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
-  [ "$status" = installed ] || missing="$missing $package"
+for list in "$@"; do
+  case "$list" in
+    user) file="$here/packages.txt" ;;
+    test | check) file="$here/packages-$list.txt" ;;
+    *) echo "setup.sh: no such list: $list (user, test, check)" >&2; exit 2 ;;
+  esac
+  for package in $(sed 's/#.*//' "$file"); do
+    status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+    [ "$status" = installed ] || missing="$missing $package"
+  done
 done
 [ -n "$missing" ] || exit 0
 as_root=""

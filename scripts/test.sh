@@ -1,5 +1,6 @@
 #!/bin/sh
-# From a bare Debian 12 to the result of all tests. Arguments go to ctest (e.g. -L unit).
+# From a bare Debian 12 to the result of all tests.
+# Usage: scripts/test.sh [ARGUMENT...]   (arguments go to ctest, e.g. -L unit)
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh release
