@@ -25,14 +25,14 @@ struct Step {
 
 // Lanes driven one after the other are tied first, where they meet, when drift is least: with every iteration revisits
 // a little further apart in time, so that what is tied already brings the next stretch closer than rows look alike.
-std::vector<double> growing_gaps(const GlobalOptions& options, double length_s) {
+std::vector<double> growing_gaps(const GlobalRegistrationOptions& options, double length_s) {
   std::vector<double> gaps = {options.first_gap_s};
   while (gaps.back() < length_s) gaps.push_back(gaps.back() * options.gap_growth);
   return gaps;
 }
 
 // The steps after all visits have been tied.
-std::vector<Step> last_steps(const GlobalOptions& options, bool has_gps) {
+std::vector<Step> last_steps(const GlobalRegistrationOptions& options, bool has_gps) {
   constexpr double kLeastSlack = 0.01;
   std::vector<Step> steps;
   const double last = std::max(1, options.revisit_iterations - 1);
@@ -59,7 +59,7 @@ class Registration {
         matching_(options) {}
 
   Result<GlobalStats> run() {
-    const GlobalOptions& global = options_.global;
+    const GlobalRegistrationOptions& global = options_.global;
     const bool has_gps = !fixes_.empty();
     const std::vector<Step> last = last_steps(global, has_gps);
     const std::vector<double> gaps = growing_gaps(global, length_s());
