@@ -1,16 +1,19 @@
-#include "libslam/global/global_terms.h"
+#include "libslam/global_registration/registration_problem.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/solver/median.h"
+#include "rayfield/core/parallel.h"
+
 namespace rayfield::slam {
 namespace {
 
-constexpr int kImuGroup = 10;         // samples of one IMU residual: 0.1 s
-constexpr double kFixed = 1e14;       // information that holds an unknown
-constexpr double kGauge = 1e-3;       // weak prior of every knot, 1/m² and 1/rad²: holds the gauge, bends nothing
-constexpr double kMisfitSeconds = 5;  // over which the IMU is held against the trajectory
-constexpr double kTurn = 0.3;         // rad
+constexpr int kImuGroup = 10;    // samples of one IMU residual: 0.1 s
+constexpr double kFixed = 1e14;  // information that holds an unknown
+constexpr double kGauge = 1e-3;  // weak prior of every knot, 1/m² and 1/rad²: holds the gauge without bending the drive
+constexpr double kMisfitSeconds = 5;  // over which IMU and trajectory are compared
+constexpr double kTurn = 0.3;         // rad in that time: a headland turn
 constexpr int kDirectBlocks = 400;    // larger systems are solved iteratively
 constexpr std::size_t kParts = 4;     // partial sums; their number is fixed so that threads do not change the result
 // Prior standard deviations of what the rig file may ask to be estimated: lidar (s), spinner (rad).
@@ -38,9 +41,9 @@ double largest_move(const std::vector<Eigen::Vector3d>& anchors, const Eigen::Ve
 
 }  // namespace
 
-GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::span<const GpsPosition> fixes,
-                             const Rig& rig, const SlamOptions& options, double knot_step_s,
-                             const GlobalUnknowns& unknowns)
+RegistrationProblem::RegistrationProblem(OdometryResult& odometry, const ImuGrid& imu,
+                                         std::span<const GpsPosition> fixes, const Rig& rig, const SlamOptions& options,
+                                         double knot_step_s, const RegistrationUnknowns& unknowns)
     : odometry_(odometry),
       imu_(imu),
       fixes_(fixes),
@@ -56,7 +59,7 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
   bias_nodes_ = 1 + std::max(1, static_cast<int>(std::lround(length / options.global.bias_step_s)));
   first_bias_block_ = frame_.spline.knots();
   frame_.extra_block = first_bias_block_ + bias_nodes_;
-  // Time and angle offsets that are not asked for cost nothing.
+  // Residuals without time and angle offsets are cheaper.
   surfel_frame_ = frame_;
   if (!rig.estimate_lidar_offset && !rig.estimate_spinner_offset) surfel_frame_.extra_block = -1;
   set_spinner(rig, surfel_frame_);
@@ -75,13 +78,13 @@ GlobalProblem::GlobalProblem(OdometryResult& odometry, const ImuGrid& imu, std::
   parts_.assign(kParts, sums_);
 }
 
-BiasWeights GlobalProblem::bias_weights(double time_s) const {
+BiasWeights RegistrationProblem::bias_weights(double time_s) const {
   const double u = std::clamp(time_s / odometry_.track.end_s(), 0.0, 1.0) * (bias_nodes_ - 1);
   const int i = std::min(static_cast<int>(u), bias_nodes_ - 2);
   return {{first_bias_block_ + i, first_bias_block_ + i + 1}, {1 - (u - i), u - i}};
 }
 
-InertialState GlobalProblem::inertial_at(const BiasWeights& w) const {
+InertialState RegistrationProblem::inertial_at(const BiasWeights& w) const {
   InertialState s;
   s.gravity = gravity_;
   for (int j = 0; j < 2; ++j) {
@@ -91,7 +94,8 @@ InertialState GlobalProblem::inertial_at(const BiasWeights& w) const {
   return s;
 }
 
-void GlobalProblem::add_inertial(int first_group, int last_group, BlockSystem& system, Eigen::Vector2d& squares) const {
+void RegistrationProblem::add_inertial(int first_group, int last_group, BlockSystem& system,
+                                       Eigen::Vector2d& squares) const {
   const double dt = frame_.track->step_s, duration = kImuGroup * dt;
   const double gyro_weight = 1 / odometry_.noise.gyro_variance(duration);
   const double accel_weight = 1 / odometry_.noise.accel_variance(duration);
@@ -107,7 +111,7 @@ void GlobalProblem::add_inertial(int first_group, int last_group, BlockSystem& s
   }
 }
 
-void GlobalProblem::add_gps(double slack, BlockSystem& system, GlobalStats& stats) const {
+void RegistrationProblem::add_gps(double slack, BlockSystem& system, RegistrationStats& stats) const {
   std::vector<double> residual;
   std::vector<LinearResidual<3>> rows;
   std::vector<const GpsPosition*> used;
@@ -139,7 +143,7 @@ void GlobalProblem::add_gps(double slack, BlockSystem& system, GlobalStats& stat
   stats.gps_m = {residual.size(), std::sqrt(square_sum / weight_sum)};
 }
 
-void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
+void RegistrationProblem::add_priors(bool use_gps, BlockSystem& system) const {
   for (int k = 0; k < frame_.spline.knots(); ++k)
     system.add_prior(k, Vector6d::Zero(), Vector6d::Constant(use_gps ? 1e-3 * kGauge : kGauge));
   Vector6d bias;
@@ -175,7 +179,7 @@ void GlobalProblem::add_priors(bool use_gps, BlockSystem& system) const {
   system.add_prior(frame_.extra_block, extra_offset, extra);
 }
 
-void GlobalProblem::begin(const GlobalWeights& weights) {
+void RegistrationProblem::begin(const RegistrationWeights& weights) {
   weights_ = weights;
   frame_.anchor = surfel_frame_.anchor = anchors_of(frame_.spline, odometry_.track);
   const int groups = (frame_.track->size() - 2) / kImuGroup;
@@ -188,8 +192,8 @@ void GlobalProblem::begin(const GlobalWeights& weights) {
   });
 }
 
-void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const SurfelMatch> near,
-                                std::span<const SurfelMatch> revisits) {
+void RegistrationProblem::add_surfels(std::span<const Surfel> surfels, std::span<const SurfelMatch> near,
+                                      std::span<const SurfelMatch> revisits) {
   const auto slice = [](auto all, std::size_t part) {
     const std::size_t begin = all.size() * part / kParts, end = all.size() * (part + 1) / kParts;
     return all.subspan(begin, end - begin);
@@ -207,31 +211,33 @@ void GlobalProblem::add_surfels(std::span<const Surfel> surfels, std::span<const
   });
 }
 
-// Eliminating the place of a slice of N visits with the variance σ² each leaves Σ_{i<j} |q_i − q_j|²/(N·σ²).
-void GlobalProblem::add_poles(const PoleQuery& query) {
+// Ties the observations of every pole slice in pairs: eliminating the position of a slice of N observations with the
+// variance σ² each leaves Σ_{i<j} |q_i − q_j|²/(N·σ²).
+void RegistrationProblem::add_poles(const PoleQuery& query) {
   const PoleOptions& options = options_.poles;
   const PoseTrack& track = odometry_.track;
   const SurfelOffsets offsets = surfel_offsets();
-  std::vector<Surfel> sightings = odometry_.poles;
-  for (Surfel& s : sightings) apply_offsets(offsets, track.end_s(), s);
+  std::vector<Surfel> detections = odometry_.poles;
+  for (Surfel& s : detections) apply_offsets(offsets, track.end_s(), s);
   const double depth = unknowns_.pole_depth_m;
-  const std::vector<PoleVisit> visits = gather_visits(sightings, track, depth, options);
+  const std::vector<PoleObservation> observations = gather_observations(detections, track, depth, options);
   ResidualFrame frame = surfel_frame_;
   frame.extra_block = frame_.extra_block;
   const double slack2 = weights_.slack_m * weights_.slack_m, cauchy2 = std::pow(options_.match.last_cauchy, 2);
   const double share = weights_.cautious ? kIndependentShare : options.weight;
   Sums& sums = parts_[0];
-  for (const PolePair& pair : pair_visits(visits, track, depth, query, options)) {
+  for (const PolePair& pair : pair_observations(observations, track, depth, query, options)) {
     const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(pair.sides);
     const double variance[2] = {pair.variance_m2 + pair.thickness_variance_m2, pair.variance_m2};
     PairResidual axes[2];
     double distance2 = 0;  // in standard deviations
     for (int k = 0; k < 2; ++k) {
-      axes[k] = pole_residual(frame, visits[pair.first], visits[pair.second], depth, k == 0 ? pair.sides : across);
+      axes[k] = pole_residual(frame, observations[pair.first], observations[pair.second], depth,
+                              k == 0 ? pair.sides : across);
       distance2 += axes[k].error() * axes[k].error() / (cauchy2 * variance[k] + slack2);
     }
     for (int k = 0; k < 2; ++k) {
-      const double weight = share / ((0.5 * pair.visits * variance[k] + slack2) * (1 + distance2));
+      const double weight = share / ((0.5 * pair.observations * variance[k] + slack2) * (1 + distance2));
       sums.chain.add(axes[k].first, weight);
       sums.chain.add(axes[k].second, weight);
       sums.coupling.add_coupling(axes[k].first, axes[k].second, weight);
@@ -241,7 +247,7 @@ void GlobalProblem::add_poles(const PoleQuery& query) {
   }
 }
 
-void GlobalProblem::end(GlobalStats& stats) {
+void RegistrationProblem::end(RegistrationStats& stats) {
   sums_.chain.clear(), sums_.coupling.clear();
   sums_.near = sums_.revisits = sums_.poles = {}, sums_.squares.setZero();
   for (const Sums& part : parts_) {
@@ -261,7 +267,7 @@ void GlobalProblem::end(GlobalStats& stats) {
   stats.accel_m_s2 = {count, std::sqrt(sums_.squares[1] / std::max(1, 3 * groups))};
 }
 
-Result<double> GlobalProblem::solve_and_apply() {
+Result<double> RegistrationProblem::solve_and_apply() {
   if (sums_.chain.blocks() <= kDirectBlocks) sums_.chain.add(sums_.coupling);
   RAYFIELD_ASSIGN(const Eigen::VectorXd x,
                   sums_.chain.blocks() <= kDirectBlocks ? sums_.chain.solve() : sums_.chain.solve(sums_.coupling));
@@ -277,13 +283,13 @@ Result<double> GlobalProblem::solve_and_apply() {
   return largest;
 }
 
-SurfelOffsets GlobalProblem::surfel_offsets() const {
+SurfelOffsets RegistrationProblem::surfel_offsets() const {
   return {{unknowns_.offsets[0], unknowns_.offsets[1]}, surfel_frame_.spin_axis, surfel_frame_.spin_origin};
 }
 
-// Mean residuals of gyroscope and accelerometer over stretches of five seconds against their standard deviations. Turns
-// are left out: there the gyroscope's scale counts, which nobody states.
-void GlobalProblem::measure_imu_misfit(GlobalStats& stats) const {
+// Mean residuals of gyroscope and accelerometer over sections of five seconds, in standard deviations. Turns are left
+// out: the scale error of the gyroscope, which the rig file does not state, dominates there.
+void RegistrationProblem::measure_imu_misfit(RegistrationStats& stats) const {
   const double dt = frame_.track->step_s, duration = kImuGroup * dt;
   const int groups = (frame_.track->size() - 2) / kImuGroup;
   const int together = std::max(1, static_cast<int>(std::lround(kMisfitSeconds / duration)));
@@ -307,7 +313,7 @@ void GlobalProblem::measure_imu_misfit(GlobalStats& stats) const {
   }
 }
 
-Result<void> GlobalProblem::measure_uncertainty(GlobalStats& stats) {
+Result<void> RegistrationProblem::measure_uncertainty(RegistrationStats& stats) {
   const int knots = frame_.spline.knots();
   // The gauge (translation and yaw) is held at the middle of the drive: uncertainty grows away from it.
   Vector6d hold = Vector6d::Constant(1e8);

@@ -1,11 +1,11 @@
-#include "libslam/odometry/start.h"
+#include "libslam/odometry/initialization.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "libslam/gps/gps_alignment.h"
+#include "libslam/solver/median.h"
 
 namespace rayfield::slam {
 namespace {
@@ -49,30 +49,31 @@ WhiteNoise measure_white_noise(const ImuGrid& imu) {
   return {white_sigma(imu.gyro()) * root, white_sigma(imu.accel()) * root};
 }
 
-StartGuess guess_start(const ImuGrid& imu, int samples) {
-  StartGuess out;
+// Goes through blocks of half a second until one shows motion; averages over those before it, if there are enough.
+Initialization find_initialization(const ImuGrid& imu, int samples) {
+  Initialization out;
   samples = std::min(samples, imu.size());
-  int quiet = 0;
+  int stationary_samples = 0;
   BlockMoments reference;
   for (int first = 0; first + kBlock <= imu.size() && first < 6000; first += kBlock) {
     const BlockMoments m = moments(imu, first, kBlock);
     if (first == 0) reference = m;
     // Bounds: three times a poor sensor's noise (0.01 rad/s, 0.1 m/s² per sample), the shake of a spinning head
     // included; a vehicle that rolls over soil shows several times as much.
-    const bool still = m.gyro_deviation < 0.06 && m.accel_deviation < 0.35 && m.gyro_mean.norm() < 0.05 &&
-                       (m.gyro_mean - reference.gyro_mean).norm() < 0.015 &&
-                       (m.accel_mean - reference.accel_mean).norm() < 0.12;
-    if (!still) break;
-    quiet = first + kBlock;
+    const bool stationary = m.gyro_deviation < 0.06 && m.accel_deviation < 0.35 && m.gyro_mean.norm() < 0.05 &&
+                            (m.gyro_mean - reference.gyro_mean).norm() < 0.015 &&
+                            (m.accel_mean - reference.accel_mean).norm() < 0.12;
+    if (!stationary) break;
+    stationary_samples = first + kBlock;
   }
-  // The last quiet block may hold the first moment of motion.
-  if (quiet > 0 && quiet < imu.size() - kBlock) quiet -= kBlock;
-  if (quiet >= 2 * kBlock) {
-    const BlockMoments m = moments(imu, 0, quiet);
-    out.stationary_s = quiet * imu.step_s();
+  // The last stationary_samples block may hold the first moment of motion.
+  if (stationary_samples > 0 && stationary_samples < imu.size() - kBlock) stationary_samples -= kBlock;
+  if (stationary_samples >= 2 * kBlock) {
+    const BlockMoments m = moments(imu, 0, stationary_samples);
+    out.stationary_s = stationary_samples * imu.step_s();
     out.level_from_imu = Eigen::Quaterniond::FromTwoVectors(m.accel_mean, Eigen::Vector3d::UnitZ());
     out.gyro_bias = m.gyro_mean;
-    out.gyro_bias_sigma = std::max(1e-4, m.gyro_deviation / std::sqrt(static_cast<double>(quiet)));
+    out.gyro_bias_sigma = std::max(1e-4, m.gyro_deviation / std::sqrt(static_cast<double>(stationary_samples)));
     out.tilt_sigma_rad = 0.01;
   } else {
     const BlockMoments m = moments(imu, 0, samples);

@@ -1,4 +1,4 @@
-#include "libslam/pipeline/drive_input.h"
+#include "libslam/pipeline/log_odometry.h"
 
 #include <fmt/core.h>
 
@@ -12,18 +12,20 @@ namespace {
 
 constexpr double kClockAgreement = 10.0;   // s by which a lidar stamp may differ from the IMU's newest
 constexpr std::uint64_t kHeldScans = 100;  // scans kept until the first IMU sample comes
-constexpr double kStillSpinner = 0.5;      // rad that a spinner must turn in a drive
+constexpr double kMinSpinnerTurn = 0.5;    // rad that a spinner must turn in a section
 
 }  // namespace
 
-DriveInput::DriveInput(const Rig& rig, const SensorOffsets& known, const SlamOptions& options, Progress& progress)
+LogOdometry::LogOdometry(const Rig& rig, const SensorOffsets& known, const SlamOptions& options, Progress& progress)
     : rig_(rig), known_(known), options_(options), progress_(progress), assembler_(new_assembler()) {}
 
-std::unique_ptr<LidarAssembler> DriveInput::new_assembler() const {
+std::unique_ptr<LidarAssembler> LogOdometry::new_assembler() const {
   return std::make_unique<LidarAssembler>(rig_, rig_.lidar_offset_s + known_.lidar_s, known_.spinner_rad);
 }
 
-void DriveInput::imu(const ImuSample& sample) {
+// Accepts samples that follow the last one in time. A sample that does not is kept aside: if the next one follows it,
+// the clock jumped or data are missing, and a new section begins; otherwise it was a stray stamp.
+void LogOdometry::imu(const ImuSample& sample) {
   ++imu_count_;
   if (!std::isfinite(sample.time_s) || !sample.angular_velocity_rad_s.allFinite() ||
       !sample.linear_acceleration_m_s2.allFinite()) {
@@ -41,7 +43,7 @@ void DriveInput::imu(const ImuSample& sample) {
   if (suspect_) {
     if (follows(*suspect_, sample) && !follows(*last_imu_, sample)) {  // the clock did jump, or data are missing
       const ImuSample first = *suspect_;
-      end_drive();
+      end_section();
       accept(first);
       accept(sample);
       return;
@@ -57,33 +59,33 @@ void DriveInput::imu(const ImuSample& sample) {
     suspect_ = sample;
 }
 
-void DriveInput::accept(const ImuSample& sample) {
+void LogOdometry::accept(const ImuSample& sample) {
   last_imu_ = sample;
   if (const std::optional<ImuSample> ready = spikes_.push(sample)) use(*ready);
 }
 
-void DriveInput::use(const ImuSample& sample) {
-  // The drive begins where both sensors run.
+void LogOdometry::use(const ImuSample& sample) {
+  // A section begins when both sensors run.
   if (!odometry_ && first_lidar_s_ && sample.time_s >= *first_lidar_s_)
     odometry_ = std::make_unique<Odometry>(rig_, options_, sample.time_s);
   if (odometry_) odometry_->add(sample);
 }
 
-void DriveInput::gps(const GpsFix& fix) {
+void LogOdometry::gps(const GpsFix& fix) {
   fixes_.push_back(fix);
   if (!rig_.gps || !odometry_ || !usable_fix(fix)) return;
   const Eigen::Vector3d geodetic(fix.latitude_deg, fix.longitude_deg, fix.height_m);
-  if (!start_plane_) start_plane_.emplace(geodetic);
+  if (!first_plane_) first_plane_.emplace(geodetic);
   odometry_->add_fix(fix.time_s + rig_.gps_offset_s - odometry_->imu().epoch_s(),
-                     start_plane_->enu_from_geodetic(geodetic));
+                     first_plane_->enu_from_geodetic(geodetic));
 }
 
-void DriveInput::spinner(const SpinnerAngle& angle) {
+void LogOdometry::spinner(const SpinnerAngle& angle) {
   ++angles_;
   assembler_->add(angle);
 }
 
-void DriveInput::lidar(const LidarScan& scan) {
+void LogOdometry::lidar(const LidarScan& scan) {
   ++scans_;
   if (error_) return;
   const double time = scan.time_s + rig_.lidar_offset_s + known_.lidar_s;
@@ -100,7 +102,7 @@ void DriveInput::lidar(const LidarScan& scan) {
   }
 }
 
-void DriveInput::drain(bool flush) {
+void LogOdometry::drain(bool flush) {
   assembler_->drain(
       [this](const BodyScan& scan) {
         if (odometry_) odometry_->add(scan);
@@ -108,18 +110,18 @@ void DriveInput::drain(bool flush) {
       flush);
 }
 
-void DriveInput::end_drive() {
+void LogOdometry::end_section() {
   if (const std::optional<ImuSample> last = spikes_.flush()) use(*last);
   drain(true);
   points_ += assembler_->counts().points, hits_ += assembler_->counts().hits;
   if (odometry_ && !error_) {
-    ++drives_;
+    ++sections_;
     Result<OdometryResult> result = odometry_->finish();
     const double length = result ? result->track.end_s() : 0;
     const double best = best_ ? best_->odometry.track.end_s() : 0;
     if (result && length > best) {
       dropped_s_ += best;
-      best_ = Drive{std::move(*result), odometry_->imu(), assembler_->counts()};
+      best_ = LogSection{std::move(*result), odometry_->imu(), assembler_->counts()};
     } else {
       dropped_s_ += length;
       if (!result && result.error().code != ErrorCode::bad_input) error_ = result.error();
@@ -130,7 +132,7 @@ void DriveInput::end_drive() {
   first_lidar_s_.reset(), suspect_.reset(), last_imu_.reset();
 }
 
-tl::unexpected<Error> DriveInput::nothing() const {
+tl::unexpected<Error> LogOdometry::no_section() const {
   const auto bad = [](std::string_view why, std::string_view next) {
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "log", why, next);
   };
@@ -146,17 +148,18 @@ tl::unexpected<Error> DriveInput::nothing() const {
              "see `rayfield info` for gaps");
 }
 
-Result<Drive> DriveInput::finish() {
-  end_drive();
+// Checks that the data of the longest section can be what they claim to be, and turns counts into warnings.
+Result<LogSection> LogOdometry::finish() {
+  end_section();
   if (error_) return tl::make_unexpected(*error_);
-  if (!best_) return nothing();
-  if (hits_ == 0) return nothing();
+  if (!best_) return no_section();
+  if (hits_ == 0) return no_section();
   const double mean_force = accel_sum_ / static_cast<double>(std::max<std::uint64_t>(1, imu_count_ - imu_invalid_));
   if (mean_force < 5 || mean_force > 15)
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "IMU",
                 fmt::format("its mean specific force is {:.2f} m/s² where 9.8 is expected", mean_force),
                 "the accelerometer must be in m/s² with gravity included");
-  if (rig_.spinner && best_->lidar.spinner_turn_rad < kStillSpinner)
+  if (rig_.spinner && best_->lidar.spinner_turn_rad < kMinSpinnerTurn)
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "spinner " + rig_.spinner->topic,
                 fmt::format("it turned by only {:.3f} rad during the drive", best_->lidar.spinner_turn_rad),
                 "the spinner or its encoder is stuck");
@@ -170,11 +173,11 @@ Result<Drive> DriveInput::finish() {
   warn(best_->lidar.late_scans, "lidar scans out of order left out");
   warn(best_->lidar.unusable_scans, "lidar scans with unequal columns or without a time left out");
   warn(best_->lidar.scans_without_angle, "lidar scans (or parts) without a spinner angle left out");
-  if (drives_ > 1)
+  if (sections_ > 1)
     warnings_.push_back(
-        fmt::format("the log falls into {} drives (clock jumps or IMU gaps); the longest is used, {:.1f} s "
+        fmt::format("the log falls into {} sections (clock jumps or IMU gaps); the longest is used, {:.1f} s "
                     "of others are left out",
-                    drives_, dropped_s_));
+                    sections_, dropped_s_));
   return std::move(*best_);
 }
 

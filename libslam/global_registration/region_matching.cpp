@@ -1,4 +1,4 @@
-#include "libslam/global/global_matches.h"
+#include "libslam/global_registration/region_matching.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kNearInterval = 4;  // sweeps between two searches for near matches
+constexpr int kNearInterval = 4;  // calls between two searches for near matches
 
 // How far the two surfels of a match may be apart, for each level.
 std::vector<double> reach_of(const SlamOptions& options) {
@@ -22,12 +22,12 @@ std::vector<double> reach_of(const SlamOptions& options) {
 
 }  // namespace
 
-GlobalMatching::GlobalMatching(const SlamOptions& options)
+RegionMatching::RegionMatching(const SlamOptions& options)
     : options_(options),
       regions_(options.scratch_directory(), {.reach_m = reach_of(options)}),
       near_file_(options.scratch_directory()) {}
 
-MatchQuery GlobalMatching::near_query() const {
+MatchQuery RegionMatching::near_query() const {
   MatchQuery query;
   query.normal_scale_m = options_.match.normal_scale_m;
   query.radius_voxels = options_.match.last_radius_voxels;
@@ -36,7 +36,7 @@ MatchQuery GlobalMatching::near_query() const {
   return query;
 }
 
-MatchQuery GlobalMatching::revisit_query(const MatchStep& step) const {
+MatchQuery RegionMatching::revisit_query(const MatchStep& step) const {
   MatchQuery query;
   query.normal_scale_m = options_.match.normal_scale_m;
   query.radius_voxels = options_.match.first_radius_voxels *
@@ -48,7 +48,7 @@ MatchQuery GlobalMatching::revisit_query(const MatchStep& step) const {
   return query;
 }
 
-Result<void> GlobalMatching::find_near(std::size_t region, std::span<const PlacedSurfel> placed,
+Result<void> RegionMatching::find_near(std::size_t region, std::span<const PlacedSurfel> placed,
                                        std::vector<SurfelMatch>& out) {
   if (region < near_.size()) {
     out.resize(near_[region].size / sizeof(SurfelMatch));
@@ -61,15 +61,16 @@ Result<void> GlobalMatching::find_near(std::size_t region, std::span<const Place
   return {};
 }
 
-Result<void> GlobalMatching::sweep(const OdometryResult& odometry, const SurfelOffsets& offsets, const MatchStep& step,
-                                   bool fresh, const std::function<Result<void>(const RegionMatches&)>& visit) {
+Result<void> RegionMatching::match_regions(const OdometryResult& odometry, const SurfelOffsets& offsets,
+                                           const MatchStep& step, bool fresh,
+                                           const std::function<Result<void>(const RegionMatches&)>& consume) {
   const int threads = thread_count(options_.threads);
-  RAYFIELD_ASSIGN(const bool laid_out, regions_.follow(odometry.surfels, odometry.track, offsets, threads));
-  if (laid_out || fresh || sweeps_ % kNearInterval == 0) {
+  RAYFIELD_ASSIGN(const bool laid_out, regions_.update_layout(odometry.surfels, odometry.track, offsets, threads));
+  if (laid_out || fresh || calls_ % kNearInterval == 0) {
     near_.clear();
     RAYFIELD_CHECK(near_file_.clear());
   }
-  ++sweeps_;
+  ++calls_;
   std::vector<SurfelMatch> near, revisits;
   for (std::size_t k = 0; k < regions_.count(); ++k) {
     RAYFIELD_CHECK(regions_.load(k, region_));
@@ -79,7 +80,7 @@ Result<void> GlobalMatching::sweep(const OdometryResult& odometry, const SurfelO
     RAYFIELD_CHECK(find_near(k, placed, near));
     if (step.revisits)
       revisits = mutual_matches(placed, options_.surfels.voxel_size_m, revisit_query(step), threads, region_.own);
-    RAYFIELD_CHECK(visit({region_.surfels, near, revisits}));
+    RAYFIELD_CHECK(consume({region_.surfels, near, revisits}));
   }
   return {};
 }

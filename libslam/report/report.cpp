@@ -73,6 +73,7 @@ std::string gps_object(const GpsSummary& g) {
 
 }  // namespace
 
+// Members in the order of docs/slam.md, "The report".
 std::string report_json(const SlamReport& r) {
   Object residuals;
   residuals.raw("window_surfels_m", residual(r.window_surfels_m))
@@ -126,19 +127,20 @@ std::string report_json(const SlamReport& r) {
   return o.text() + "\n";
 }
 
+// One line per subject, each with a caption of eleven characters.
 std::string report_summary(const SlamReport& r) {
   std::string out = fmt::format("drive      {}, {:.1f} s, {:.1f} m, {} lidar hits\n", utc_text(r.start_s),
                                 r.end_s - r.start_s, r.length_m, r.lidar_hits);
   out += fmt::format("frame      {}{}{}\n", r.crs, r.crs.empty() ? "" : ": ", r.frame_note);
   out += r.stationary_start_s > 0 ? fmt::format("start      at rest for {:.1f} s\n", r.stationary_start_s)
                                   : fmt::format("start      in motion, {:.2f} m/s\n", r.initial_speed_m_s);
-  out += fmt::format("surfaces   {} surfels, {} revisits between {} pairs of stretches, ", r.surfels, r.loop_closures,
-                     r.linked_visits);
+  out += fmt::format("surfaces   {} surfels, {} loop closures between {} pairs of 5 s sections, ", r.surfels,
+                     r.loop_closures, r.linked_visits);
   out += std::isfinite(r.surfel_thickness_m) ? fmt::format("{:.1f} mm thick\n", 1000 * r.surfel_thickness_m)
                                              : std::string("none seen twice\n");
   if (r.poles_m.count > 0)
-    out += fmt::format("poles      {} pairs of visits to posts and trunks, axes within {:.0f} mm\n", r.poles_m.count,
-                       1000 * r.poles_m.rms);
+    out += fmt::format("poles      {} pairs of observations of posts and trunks, axes within {:.0f} mm\n",
+                       r.poles_m.count, 1000 * r.poles_m.rms);
   if (r.gps.used > 0)
     out += fmt::format(
         "GPS        {} fixes, offset {:.2f} m (median), {:.2f} m (95 %), {} outliers, longest outage {:.1f} s\n",

@@ -7,8 +7,8 @@
 
 namespace rayfield::slam {
 
-/// First guess of a drive from its first seconds.
-struct StartGuess {
+/// Initial state of a drive from its first seconds.
+struct Initialization {
   double stationary_s = 0;
   Eigen::Quaterniond level_from_imu = Eigen::Quaterniond::Identity();  ///< roll and pitch only
   Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
@@ -16,7 +16,7 @@ struct StartGuess {
   double tilt_sigma_rad = 0.05;
 };
 
-/// White noise densities seen in the data: rad/s/√Hz and m/s²/√Hz.
+/// White noise densities of the data: rad/s/√Hz and m/s²/√Hz.
 struct WhiteNoise {
   double gyro_density = 0, accel_density = 0;
 };
@@ -26,8 +26,9 @@ struct WhiteNoise {
 /// its median absolute difference.
 WhiteNoise measure_white_noise(const ImuGrid& imu);
 
-/// Finds the stationary start (blocks of half a second whose rates are small and steady) and takes roll, pitch and the
-/// gyro bias from it; without one, roll and pitch from the mean specific force of `samples`.
-StartGuess guess_start(const ImuGrid& imu, int samples);
+/// Finds how long the vehicle stands still at first (blocks of half a second whose rates are small and steady) and
+/// takes roll, pitch and the gyro bias from that time; if it is in motion, roll and pitch come from the mean specific
+/// force of the first `samples`.
+Initialization find_initialization(const ImuGrid& imu, int samples);
 
 }  // namespace rayfield::slam

@@ -12,7 +12,7 @@
 
 namespace rayfield::slam {
 
-/// Which surfels an iteration of the global stage matches.
+/// Which surfels an iteration of the global registration matches.
 struct MatchStep {
   bool revisits = false;   ///< also those that are far apart in time
   bool foliage = false;    ///< thick surfaces count among the revisits
@@ -27,14 +27,15 @@ struct RegionMatches {
 };
 
 /// Matches all surfels of a drive, region by region, with no more than a region in memory.
-class GlobalMatching {
+class RegionMatching {
  public:
-  explicit GlobalMatching(const SlamOptions& options);
+  explicit RegionMatching(const SlamOptions& options);
 
-  /// Finds the matches of a step along the trajectory as it is and hands them on in a fixed order. Near ones are kept
-  /// for some sweeps: corrections hardly move surfels that are close in time against each other. `fresh`: they are not.
-  Result<void> sweep(const OdometryResult& odometry, const SurfelOffsets& offsets, const MatchStep& step, bool fresh,
-                     const std::function<Result<void>(const RegionMatches&)>& visit);
+  /// Finds the matches of a step at the present trajectory and calls consume() for every region, in a fixed order. Near
+  /// matches are kept for some calls, since corrections hardly move surfels that are close in time against each other;
+  /// with `fresh` they are searched for again.
+  Result<void> match_regions(const OdometryResult& odometry, const SurfelOffsets& offsets, const MatchStep& step,
+                             bool fresh, const std::function<Result<void>(const RegionMatches&)>& consume);
 
  private:
   MatchQuery near_query() const;
@@ -45,8 +46,8 @@ class GlobalMatching {
   SurfelRegions regions_;
   SurfelRegion region_;
   SpillFile near_file_;
-  std::vector<SpillFile::Extent> near_;  // by region; empty where they have to be found
-  int sweeps_ = 0;
+  std::vector<SpillFile::Extent> near_;  // by region; those not yet found are missing
+  int calls_ = 0;
 };
 
 }  // namespace rayfield::slam
