@@ -1,48 +1,20 @@
-// Surfels on disk, by time and by place.
 #include "libslam/surfels/surfel_regions.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 #include <set>
 #include <tuple>
 
 #include "libslam/surfels/surfel_match.h"
+#include "tests/libslam/surfel_field.h"
 
 namespace rayfield::slam {
 namespace {
 
+using testing::Field;
+
 const std::vector<double> kVoxel = {0.3, 0.6, 1.2};
-
-// A drive to and fro over a field of 150 × 90 m that is not level, with surfels up to 20 m away.
-struct Field {
-  PoseTrack track;
-  std::vector<Surfel> surfels;
-  SurfelFile file;
-
-  explicit Field(int count) {
-    std::mt19937 generator(3);
-    std::uniform_real_distribution<float> side(-20, 20), up(-1, 1), unit(0, 1);
-    for (int k = 0; k < 60000; ++k) {
-      const double t = 0.01 * k, along = 150 * (0.5 - 0.5 * std::cos(t / 40));
-      track.position.push_back(Eigen::Vector3d(along - 60, 0.15 * t - 40, 0.02 * along));
-      track.rotation.push_back(exp_so3(Eigen::Vector3d(0.02, 0.01 * std::sin(t), 0.6 + 0.1 * std::sin(t / 7))));
-    }
-    for (int k = 0; k < count; ++k) {
-      Surfel s;
-      s.time_s = track.end_s() * (k + 0.5) / count;
-      s.center = Eigen::Vector3f(side(generator), side(generator), up(generator));
-      s.normal = Eigen::Vector3f(up(generator), up(generator), 3).normalized();
-      s.variance_m2 = 1e-5f * unit(generator);
-      s.spin_rate_rad_s = 3;
-      s.level = static_cast<std::uint8_t>(k % 3);
-      surfels.push_back(s);
-    }
-    for (std::size_t at = 0; at < surfels.size(); at += 777)
-      EXPECT_TRUE(file.append(std::span(surfels).subspan(at, std::min<std::size_t>(777, surfels.size() - at))));
-  }
-};
 
 MatchQuery revisits() {
   MatchQuery q;
@@ -83,33 +55,10 @@ double different(const std::set<Pair>& a, const std::set<Pair>& b) {
 
 SurfelRegions by_region() { return {std::filesystem::temp_directory_path(), {.reach_m = {0.36, 0.72, 1.0}}}; }
 
-TEST(SurfelFile, GivesBackWhatItWasGivenInOrder) {
-  const Field field(200000);
-  EXPECT_EQ(field.file.size(), field.surfels.size());
-  std::size_t at = 0;
-  ASSERT_TRUE(field.file.for_each([&](std::span<const Surfel> piece) -> Result<void> {
-    for (const Surfel& s : piece) {
-      const Surfel& o = field.surfels[at++];
-      EXPECT_TRUE(s.time_s == o.time_s && s.center == o.center && s.normal == o.normal && s.level == o.level &&
-                  s.variance_m2 == o.variance_m2 && s.spin_rate_rad_s == o.spin_rate_rad_s);
-    }
-    return {};
-  }));
-  EXPECT_EQ(at, field.surfels.size());
-}
-
-TEST(SurfelFile, SaysWhereItCannotWrite) {
-  SurfelFile file("/no/such/folder");
-  const auto result = file.append(std::vector<Surfel>(100000));
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, ErrorCode::resources);
-  EXPECT_NE(result.error().line().find("/no/such/folder"), std::string::npos) << result.error().line();
-}
-
 TEST(SurfelRegions, OwnEverySurfelOnceAndInOrder) {
   const Field field(90000);
   SurfelRegions regions = by_region();
-  ASSERT_TRUE(*regions.follow(field.file, field.track, {}, 2));
+  ASSERT_TRUE(*regions.update_layout(field.file, field.track, {}, 2));
   EXPECT_GT(regions.count(), 15u);
   std::size_t own = 0;
   SurfelRegion region;
@@ -128,18 +77,18 @@ TEST(SurfelRegions, HaveTheMatchesOfTheWholeDrive) {
   const auto whole = matches_of(field.surfels, field.track, {10, 5, 0});
   ASSERT_GT(whole.size(), 5000u);
   SurfelRegions regions = by_region();
-  ASSERT_TRUE(*regions.follow(field.file, field.track, {}, 2));
+  ASSERT_TRUE(*regions.update_layout(field.file, field.track, {}, 2));
   EXPECT_LT(different(whole, matches_by_region(regions, field.track)), 2e-4);
 
   // Moved by less than the slack they stay where they are and still have all; moved by more they are laid out anew.
   for (int k = 0; k < field.track.size(); ++k)
     field.track.position[static_cast<std::size_t>(k)] +=
         0.3 * Eigen::Vector3d(std::sin(0.001 * k), std::cos(0.002 * k), 0);
-  EXPECT_FALSE(*regions.follow(field.file, field.track, {}, 2));
+  EXPECT_FALSE(*regions.update_layout(field.file, field.track, {}, 2));
   EXPECT_LT(different(matches_of(field.surfels, field.track, {10, 5, 0}), matches_by_region(regions, field.track)),
             2e-4);
   for (Eigen::Vector3d& p : field.track.position) p.x() += 0.5;
-  EXPECT_TRUE(*regions.follow(field.file, field.track, {}, 2));
+  EXPECT_TRUE(*regions.update_layout(field.file, field.track, {}, 2));
 }
 
 TEST(SurfelRegions, ApplyTheOffsetsOfTheSensors) {
@@ -148,8 +97,8 @@ TEST(SurfelRegions, ApplyTheOffsetsOfTheSensors) {
   offsets.sensors = {0.02, 0.005};
   offsets.spin_axis = Eigen::Vector3d(0, 0, 1), offsets.spin_origin = Eigen::Vector3d(0.1, 0.2, 0.5);
   SurfelRegions regions = by_region();
-  ASSERT_TRUE(*regions.follow(field.file, field.track, {}, 1));
-  EXPECT_TRUE(*regions.follow(field.file, field.track, offsets, 1)) << "2 m at 30 m";
+  ASSERT_TRUE(*regions.update_layout(field.file, field.track, {}, 1));
+  EXPECT_TRUE(*regions.update_layout(field.file, field.track, offsets, 1)) << "2 m at 30 m";
   SurfelRegion region;
   ASSERT_TRUE(regions.load(0, region));
   ASSERT_FALSE(region.surfels.empty());

@@ -12,12 +12,13 @@
 #include "rayfield/core/map_frame.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
+#include "rayfield/slam/trajectory.h"
 
 /// An analytic world with exact sensors: a hall of 24 × 18 m with a level floor, four walls, two oblique partitions and
 /// round columns, and a vehicle that stands still and then drives round it. No noise and no biases unless set.
 namespace rayfield::slam::testing {
 
-struct RoomOptions {
+struct SceneOptions {
   double duration_s = 30;
   double rest_s = 6;  ///< standing still at first; 0: the log begins in motion
   double lidar_rate_hz = 100;
@@ -34,9 +35,9 @@ struct RoomOptions {
 };
 
 inline constexpr double kStart = 1.5e9;  // Unix s
-inline const Eigen::Vector3d kRoomOrigin(-35.2, 138.5, 80);
+inline const Eigen::Vector3d kSceneOrigin(-35.2, 138.5, 80);
 
-inline Rig room_rig(bool spins = true) {
+inline Rig scene_rig(bool spins = true) {
   Rig rig;
   rig.gps.emplace();
   rig.imu_from_gps_m = Eigen::Vector3d(-0.4, 0.1, 0.5);
@@ -54,7 +55,7 @@ inline Rig room_rig(bool spins = true) {
 }
 
 /// True pose (ENU from IMU) at t seconds after the start.
-inline Rigid3 room_pose(double t, double rest_s) {
+inline Rigid3 scene_pose(double t, double rest_s) {
   const double x = std::clamp((t - rest_s) / 3, 0.0, 1.0);
   // The turning rate rises smoothly from rest to 0.22 rad/s in three seconds; a drive in motion has it at once.
   double u = 0.22 * (3 * (x * x * x - 0.5 * x * x * x * x) + std::max(0.0, t - rest_s - 3));
@@ -69,7 +70,7 @@ inline Rigid3 room_pose(double t, double rest_s) {
 }
 
 /// Distance to the nearest surface.
-inline double room_range(const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
+inline double scene_range(const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
   double best = std::numeric_limits<double>::infinity();
   const auto plane = [&](const Eigen::Vector3d& n, double offset, auto&& inside) {
     const double speed = n.dot(d);
@@ -97,10 +98,10 @@ inline double room_range(const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
   return best;
 }
 
-inline ImuSample room_imu(double t, const RoomOptions& options) {
+inline ImuSample scene_imu(double t, const SceneOptions& options) {
   constexpr double h = 1e-3;
-  const Rigid3 before = room_pose(t - h, options.rest_s), now = room_pose(t, options.rest_s),
-               after = room_pose(t + h, options.rest_s);
+  const Rigid3 before = scene_pose(t - h, options.rest_s), now = scene_pose(t, options.rest_s),
+               after = scene_pose(t + h, options.rest_s);
   ImuSample s;
   s.time_s = kStart + t;
   s.angular_velocity_rad_s = log_so3(before.rotation.conjugate() * after.rotation) / (2 * h) + options.gyro_bias;
@@ -109,7 +110,7 @@ inline ImuSample room_imu(double t, const RoomOptions& options) {
   return s;
 }
 
-inline LidarScan room_scan(double t, const Rig& rig, const RoomOptions& options) {
+inline LidarScan scene_scan(double t, const Rig& rig, const SceneOptions& options) {
   LidarScan scan;
   scan.time_s = kStart + t;
   const int beams = options.spins ? options.beams : 16 * 180;
@@ -133,8 +134,8 @@ inline LidarScan room_scan(double t, const Rig& rig, const RoomOptions& options)
                           Eigen::Vector3d::Zero()};
       imu_from_lidar = rig.imu_from_spinner * turned * rig.spinner_from_lidar;
     }
-    const Rigid3 pose = room_pose(at, options.rest_s) * imu_from_lidar;
-    const double range = room_range(pose.translation, pose.rotation * d);
+    const Rigid3 pose = scene_pose(at, options.rest_s) * imu_from_lidar;
+    const double range = scene_range(pose.translation, pose.rotation * d);
     scan.direction.push_back(d.cast<float>());
     scan.range_m.push_back(range < rig.lidar.max_range_m ? static_cast<float>(range)
                                                          : std::numeric_limits<float>::infinity());
@@ -144,28 +145,43 @@ inline LidarScan room_scan(double t, const Rig& rig, const RoomOptions& options)
 }
 
 /// Sends the whole drive to `sink` in the order of time.
-inline void feed_room(SensorSink& sink, const Rig& rig, const RoomOptions& options) {
-  const TangentPlane plane(kRoomOrigin);
+inline void feed_scene(SensorSink& sink, const Rig& rig, const SceneOptions& options) {
+  const TangentPlane plane(kSceneOrigin);
   const int scan_every = static_cast<int>(std::lround(100 / (options.spins ? options.lidar_rate_hz : 10.0)));
   const int steps = static_cast<int>(std::lround(options.duration_s * 100));
   for (int k = 0; k <= steps; ++k) {
     const double t = 0.01 * k;
-    ImuSample imu = room_imu(t, options);
+    ImuSample imu = scene_imu(t, options);
     if (options.imu && (!options.edit_imu || options.edit_imu(imu))) sink.imu(imu);
     if (options.spins && options.spinner)
       sink.spinner({kStart + t, std::remainder(options.spinner_rate_rad_s * t, 2 * std::numbers::pi)});
     if (k % 10 == 0 && options.gps) {
-      const Eigen::Vector3d llh = plane.geodetic_from_enu(room_pose(t, options.rest_s) * rig.imu_from_gps_m);
+      const Eigen::Vector3d llh = plane.geodetic_from_enu(scene_pose(t, options.rest_s) * rig.imu_from_gps_m);
       GpsFix fix;
       fix.time_s = kStart + t, fix.latitude_deg = llh.x(), fix.longitude_deg = llh.y(), fix.height_m = llh.z();
       fix.covariance_enu_m2 = 0.25 * Eigen::Matrix3d::Identity(), fix.covariance_type = 2;
       if (!options.edit_gps || options.edit_gps(fix)) sink.gps(fix);
     }
     if (k % scan_every == 0 && options.lidar) {
-      LidarScan scan = room_scan(t, rig, options);
+      LidarScan scan = scene_scan(t, rig, options);
       if (!options.edit_lidar || options.edit_lidar(scan)) sink.lidar(scan);
     }
   }
+}
+
+/// A drive of the given length in the scene.
+inline SceneOptions short_scene(double duration_s, double rest_s) {
+  SceneOptions scene;
+  scene.duration_s = duration_s, scene.rest_s = rest_s;
+  return scene;
+}
+
+/// The true poses of such a drive.
+inline Trajectory true_trajectory(double rest_s, double duration_s) {
+  Trajectory t;
+  for (int k = 0; k <= static_cast<int>(duration_s * 100); ++k)
+    t.poses.push_back({kStart + 0.01 * k, scene_pose(0.01 * k, rest_s)});
+  return t;
 }
 
 }  // namespace rayfield::slam::testing

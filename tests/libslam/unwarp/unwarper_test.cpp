@@ -1,30 +1,21 @@
+#include "libslam/unwarp/unwarper.h"
+
 #include <gtest/gtest.h>
 
-#include "rayfield/slam/slam.h"
-#include "tests/libslam/synthetic_room.h"
+#include <limits>
+
+#include "tests/libslam/synthetic_scene.h"
 
 namespace rayfield::slam {
 namespace {
 
-using testing::RoomOptions;
-
-Trajectory true_trajectory(double rest_s, double duration_s) {
-  Trajectory t;
-  for (int k = 0; k <= static_cast<int>(duration_s * 100); ++k)
-    t.poses.push_back({testing::kStart + 0.01 * k, testing::room_pose(0.01 * k, rest_s)});
-  return t;
-}
-
-RoomOptions short_room() {
-  RoomOptions room;
-  room.duration_s = 6;
-  room.rest_s = 1;
-  return room;
-}
+using testing::SceneOptions;
+using testing::short_scene;
+using testing::true_trajectory;
 
 TEST(Unwarper, PutsEveryHitOfATrueTrajectoryOntoTheSurfaceItCameFrom) {
-  const RoomOptions room = short_room();
-  const Rig rig = testing::room_rig();
+  const SceneOptions scene = short_scene(6, 1);
+  const Rig rig = testing::scene_rig();
   const Trajectory truth = true_trajectory(1, 6);
   std::size_t hits = 0;
   Unwarper unwarper(rig, truth, {}, [&](const RayBatch& rays) -> Result<void> {
@@ -34,13 +25,13 @@ TEST(Unwarper, PutsEveryHitOfATrueTrajectoryOntoTheSurfaceItCameFrom) {
       const Eigen::Vector3d d = rays.end[k] - rays.origin[k];
       // Interpolating poses and the encoder at 100 Hz costs well under a millimetre at this motion; a grazing edge may
       // be missed or hit by that much, so a point is right if a surface lies within a few millimetres of it.
-      const double range = testing::room_range(rays.origin[k], d.normalized());
-      const double beyond = testing::room_range(rays.end[k] - 0.005 * d.normalized(), d.normalized());
+      const double range = testing::scene_range(rays.origin[k], d.normalized());
+      const double beyond = testing::scene_range(rays.end[k] - 0.005 * d.normalized(), d.normalized());
       EXPECT_TRUE(std::abs(range - d.norm()) < 0.004 || beyond < 0.012) << k;
     }
     return {};
   });
-  testing::feed_room(unwarper, rig, room);
+  testing::feed_scene(unwarper, rig, scene);
   ASSERT_TRUE(unwarper.finish());
   EXPECT_GT(hits, 50000u);
   EXPECT_EQ(unwarper.counts().hits, hits);
@@ -125,62 +116,6 @@ TEST(Unwarper, ReturnsTheErrorOfItsTaker) {
   const auto done = unwarper.finish();
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::resources);
-}
-
-TEST(UnwarpedSource, StreamsTheSameRaysAgainAfterRewindAndEndsEarlyWithoutHanging) {
-  const RoomOptions room = short_room();
-  const Rig rig = testing::room_rig();
-  const auto truth = std::make_shared<Trajectory>(true_trajectory(1, 6));
-  const LogReader read = [&](SensorSink& sink) -> Result<void> {
-    testing::feed_room(sink, rig, room);
-    return {};
-  };
-  const auto source = open_unwarped(read, rig, truth, {}, "room");
-  const auto total = [&] {
-    RayBatch batch;
-    std::size_t sum = 0;
-    double check = 0;
-    while (true) {
-      const auto n = source->read(batch, 10007);
-      EXPECT_TRUE(n);
-      if (!n || *n == 0) return std::pair(sum, check);
-      sum += *n;
-      for (const Eigen::Vector3d& e : batch.end) check += e.sum();
-    }
-  };
-  const auto first = total();
-  EXPECT_GT(first.first, 50000u);
-  ASSERT_TRUE(source->rewind());
-  EXPECT_EQ(total(), first);
-  ASSERT_TRUE(source->rewind());
-  RayBatch batch;
-  ASSERT_TRUE(source->read(batch, 100));  // and the destructor ends the thread
-}
-
-TEST(UnwarpedSource, PassesOnTheErrorOfTheLog) {
-  const auto truth = std::make_shared<Trajectory>(true_trajectory(1, 6));
-  const LogReader read = [](SensorSink&) -> Result<void> {
-    return fail(ErrorCode::bad_input, "cannot read log", "x.bag", "not a bag");
-  };
-  const auto source = open_unwarped(read, testing::room_rig(), truth, {}, "x.bag");
-  RayBatch batch;
-  const auto n = source->read(batch, 100);
-  ASSERT_FALSE(n);
-  EXPECT_EQ(n.error().code, ErrorCode::bad_input);
-}
-
-TEST(PlanGrid, CountsHitsInTheirCells) {
-  const Fixture f;
-  auto grid = plan_grid(f.level, 10, 0.5);
-  RayBatch rays;
-  rays.push({500, 600, 7}, {503.1, 598.2, 5}, 1, 0, true);
-  rays.push({500, 600, 7}, {503.1, 598.2, 5}, 1, 0, false);
-  rays.push({500, 600, 7}, {900, 598.2, 5}, 1, 0, true);
-  add_hits(grid, rays);
-  std::uint64_t sum = 0;
-  for (const auto v : grid.values) sum += v;
-  EXPECT_EQ(sum, 1u);
-  EXPECT_EQ(grid.at(static_cast<int>((503.1 - 490) / 0.5), static_cast<int>((598.2 - 590) / 0.5)), 1u);
 }
 
 }  // namespace

@@ -3,28 +3,23 @@
 #include <limits>
 
 #include "rayfield/slam/slam.h"
-#include "tests/libslam/synthetic_room.h"
+#include "tests/libslam/synthetic_scene.h"
 
 // Logs that are broken in one way each: one clear line and the right code, or what can be recovered.
 namespace rayfield::slam {
 namespace {
 
-using testing::RoomOptions;
+using testing::SceneOptions;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-RoomOptions short_room() {
-  RoomOptions room;
-  room.duration_s = 12;
-  room.rest_s = 3;
-  return room;
-}
+SceneOptions short_scene() { return testing::short_scene(12, 3); }
 
-Result<SlamResult> reconstruct(const RoomOptions& room, const Rig& rig = testing::room_rig()) {
+Result<SlamResult> reconstruct(const SceneOptions& scene, const Rig& rig = testing::scene_rig()) {
   Progress progress;
   return run_slam(
       [&](SensorSink& sink) -> Result<void> {
-        testing::feed_room(sink, rig, room);
+        testing::feed_scene(sink, rig, scene);
         return {};
       },
       rig, "", SlamOptions(), progress);
@@ -37,140 +32,140 @@ void expect_bad_input(const Result<SlamResult>& result, const std::string& part)
 }
 
 TEST(BrokenLog, WithoutLidarIsRefused) {
-  RoomOptions room = short_room();
-  room.lidar = false;
-  expect_bad_input(reconstruct(room), "no lidar data");
+  SceneOptions scene = short_scene();
+  scene.lidar = false;
+  expect_bad_input(reconstruct(scene), "no lidar data");
 }
 
 TEST(BrokenLog, WithoutImuIsRefused) {
-  RoomOptions room = short_room();
-  room.imu = false;
-  expect_bad_input(reconstruct(room), "no IMU data");
+  SceneOptions scene = short_scene();
+  scene.imu = false;
+  expect_bad_input(reconstruct(scene), "no IMU data");
 }
 
 TEST(BrokenLog, WithNothingInItIsRefused) {
-  RoomOptions room = short_room();
-  room.imu = room.lidar = room.gps = room.spinner = false;
-  expect_bad_input(reconstruct(room), "no IMU data");
+  SceneOptions scene = short_scene();
+  scene.imu = scene.lidar = scene.gps = scene.spinner = false;
+  expect_bad_input(reconstruct(scene), "no IMU data");
 }
 
 TEST(BrokenLog, WithoutSpinnerAnglesIsRefused) {
-  RoomOptions room = short_room();
-  room.spinner = false;
-  expect_bad_input(reconstruct(room), "no spinner angles");
+  SceneOptions scene = short_scene();
+  scene.spinner = false;
+  expect_bad_input(reconstruct(scene), "no spinner angles");
 }
 
 TEST(BrokenLog, WithAStuckSpinnerIsRefused) {
-  RoomOptions room = short_room();
-  room.spinner_rate_rad_s = 0;
-  expect_bad_input(reconstruct(room), "stuck");
+  SceneOptions scene = short_scene();
+  scene.spinner_rate_rad_s = 0;
+  expect_bad_input(reconstruct(scene), "stuck");
 }
 
 TEST(BrokenLog, WithOnlyNanRangesIsRefused) {
-  RoomOptions room = short_room();
-  room.edit_lidar = [](LidarScan& scan) {
+  SceneOptions scene = short_scene();
+  scene.edit_lidar = [](LidarScan& scan) {
     scan.range_m.assign(scan.range_m.size(), std::numeric_limits<float>::quiet_NaN());
     return true;
   };
-  expect_bad_input(reconstruct(room), "not one lidar point");
+  expect_bad_input(reconstruct(scene), "not one lidar point");
 }
 
 TEST(BrokenLog, WithOnlyNanImuSamplesIsRefused) {
-  RoomOptions room = short_room();
-  room.edit_imu = [](ImuSample& s) {
+  SceneOptions scene = short_scene();
+  scene.edit_imu = [](ImuSample& s) {
     s.linear_acceleration_m_s2.setConstant(kNan);
     return true;
   };
-  expect_bad_input(reconstruct(room), "NaN");
+  expect_bad_input(reconstruct(scene), "NaN");
 }
 
 TEST(BrokenLog, WithAnImuInUnitsOfGravityIsRefused) {
-  RoomOptions room = short_room();
-  room.edit_imu = [](ImuSample& s) {
+  SceneOptions scene = short_scene();
+  scene.edit_imu = [](ImuSample& s) {
     s.linear_acceleration_m_s2 /= 9.81;
     return true;
   };
-  expect_bad_input(reconstruct(room), "specific force");
+  expect_bad_input(reconstruct(scene), "specific force");
 }
 
 TEST(BrokenLog, ShorterThanAWindowIsRefused) {
-  RoomOptions room = short_room();
-  room.duration_s = 3;
-  expect_bad_input(reconstruct(room), "5 s");
+  SceneOptions scene = short_scene();
+  scene.duration_s = 3;
+  expect_bad_input(reconstruct(scene), "5 s");
 }
 
 TEST(BrokenLog, WithUnequalColumnsInScansIsRefusedAndDoesNotCrash) {
-  RoomOptions room = short_room();
-  room.edit_lidar = [](LidarScan& scan) {
+  SceneOptions scene = short_scene();
+  scene.edit_lidar = [](LidarScan& scan) {
     scan.time_offset_s.pop_back();
     return true;
   };
-  expect_bad_input(reconstruct(room), "lidar");
+  expect_bad_input(reconstruct(scene), "lidar");
 }
 
 TEST(DamagedLog, WithSingleNansDuplicatesAndStraysIsReconstructed) {
-  RoomOptions room = short_room();
+  SceneOptions scene = short_scene();
   int count = 0;
-  room.edit_imu = [&count](ImuSample& s) {
+  scene.edit_imu = [&count](ImuSample& s) {
     ++count;
     if (count % 100 == 7) s.angular_velocity_rad_s.x() = kNan;  // one in a hundred is NaN
     if (count % 100 == 57) s.time_s -= 0.01;                    // one repeats the stamp before it
     if (count == 500) s.time_s += 3600;                         // a single stray
     return true;
   };
-  room.edit_lidar = [](LidarScan& scan) {
+  scene.edit_lidar = [](LidarScan& scan) {
     scan.range_m[3] = std::numeric_limits<float>::quiet_NaN();
     return true;
   };
-  room.edit_gps = [](GpsFix& fix) {
+  scene.edit_gps = [](GpsFix& fix) {
     if (std::fmod(fix.time_s, 1.0) < 0.05) fix.latitude_deg = kNan;
     return true;
   };
-  const auto result = reconstruct(room);
+  const auto result = reconstruct(scene);
   ASSERT_TRUE(result) << result.error().line();
   EXPECT_NEAR(result->report.end_s - result->report.start_s, 12, 0.2);
   EXPECT_GE(result->report.warnings.size(), 3u);
 }
 
 TEST(DamagedLog, WithAClockJumpOfAnHourGivesTheLongerPartAndSaysSo) {
-  RoomOptions room = short_room();
-  room.duration_s = 22;
+  SceneOptions scene = short_scene();
+  scene.duration_s = 22;
   const double jump_at = testing::kStart + 7;
   const auto jump = [&](double& time) {
     if (time > jump_at) time += 3600;
   };
-  room.edit_imu = [&](ImuSample& s) {
+  scene.edit_imu = [&](ImuSample& s) {
     jump(s.time_s);
     return true;
   };
-  room.edit_lidar = [&](LidarScan& s) {
+  scene.edit_lidar = [&](LidarScan& s) {
     jump(s.time_s);
     return true;
   };
-  room.edit_gps = [&](GpsFix& s) {
+  scene.edit_gps = [&](GpsFix& s) {
     jump(s.time_s);
     return true;
   };
-  const Rig rig = testing::room_rig(false);
-  room.spins = false;
-  const auto result = reconstruct(room, rig);
+  const Rig rig = testing::scene_rig(false);
+  scene.spins = false;
+  const auto result = reconstruct(scene, rig);
   ASSERT_TRUE(result) << result.error().line();
   EXPECT_GT(result->report.start_s, jump_at + 3599);
   EXPECT_NEAR(result->report.end_s - result->report.start_s, 15, 0.5);
-  bool said = false;
-  for (const std::string& w : result->report.warnings) said |= w.find("2 drives") != std::string::npos;
-  EXPECT_TRUE(said);
+  bool reported = false;
+  for (const std::string& w : result->report.warnings) reported |= w.find("2 sections") != std::string::npos;
+  EXPECT_TRUE(reported);
 }
 
 TEST(DamagedLog, WithExtrinsicsThatAreWrongIsNotMadeIntoAPrettyMap) {
-  RoomOptions room = short_room();
-  Rig rig = testing::room_rig();
+  SceneOptions scene = short_scene();
+  Rig rig = testing::scene_rig();
   Rig wrong = rig;
   wrong.imu_from_spinner.rotation = exp_so3({0.35, 0, 0}) * wrong.imu_from_spinner.rotation;
   Progress progress;
   const auto result = run_slam(
       [&](SensorSink& sink) -> Result<void> {
-        testing::feed_room(sink, rig, room);
+        testing::feed_scene(sink, rig, scene);
         return {};
       },
       wrong, "", SlamOptions(), progress);
@@ -182,10 +177,10 @@ TEST(Slam, StopsWhenAsked) {
   struct Stop : Progress {
     bool cancelled() const override { return true; }
   } stop;
-  const Rig rig = testing::room_rig();
+  const Rig rig = testing::scene_rig();
   const auto result = run_slam(
       [&](SensorSink& sink) -> Result<void> {
-        testing::feed_room(sink, rig, short_room());
+        testing::feed_scene(sink, rig, short_scene());
         return {};
       },
       rig, "", SlamOptions(), stop);
@@ -198,7 +193,7 @@ TEST(Slam, RefusesOptionsOutsideTheirRange) {
   options.window.knot_step_s = -1;
   Progress progress;
   const auto result =
-      run_slam([](SensorSink&) -> Result<void> { return {}; }, testing::room_rig(), "", options, progress);
+      run_slam([](SensorSink&) -> Result<void> { return {}; }, testing::scene_rig(), "", options, progress);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::usage);
   EXPECT_NE(result.error().line().find("window.knot_step_s"), std::string::npos);
@@ -206,7 +201,7 @@ TEST(Slam, RefusesOptionsOutsideTheirRange) {
 
 TEST(Slam, RefusesAGeographicCrs) {
   Progress progress;
-  const auto result = run_slam([](SensorSink&) -> Result<void> { return {}; }, testing::room_rig(), "EPSG:4326",
+  const auto result = run_slam([](SensorSink&) -> Result<void> { return {}; }, testing::scene_rig(), "EPSG:4326",
                                SlamOptions(), progress);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::usage);
