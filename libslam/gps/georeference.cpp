@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/solver/median.h"
+
 namespace rayfield::slam {
 namespace {
 

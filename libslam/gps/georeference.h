@@ -17,7 +17,7 @@ namespace rayfield::slam {
 /// send before the first fix.
 bool usable_fix(const GpsFix& fix);
 
-/// Fixes of a drive in a tangent plane at their median, and what was refused.
+/// Fixes of a drive in a tangent plane at their median, and how many were rejected.
 struct GpsTrack {
   std::optional<TangentPlane> plane;
   std::vector<GpsPosition> positions;
@@ -33,7 +33,7 @@ GpsTrack collect_fixes(std::span<const GpsFix> fixes, const Rig& rig, double sta
 /// tilt between the plane's up and the local one) and scale are taken every 50 m, where they differ by under 1e-5.
 Trajectory map_trajectory(const PoseTrack& track, double epoch_s, const TangentPlane& plane, const MapFrame& frame);
 
-/// Poses as they are, in a frame that is tied to nothing.
+/// Poses as they are, in a local frame.
 Trajectory local_trajectory(const PoseTrack& track, double epoch_s);
 
 }  // namespace rayfield::slam

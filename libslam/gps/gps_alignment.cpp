@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/solver/median.h"
+
 namespace rayfield::slam {
 namespace {
 
@@ -11,7 +13,7 @@ struct Pair {
   Eigen::Vector3d world, enu;
 };
 
-// Weighted least squares for yaw and translation: closed form (the planar Procrustes problem; height is a mean).
+// Weighted least squares for yaw and translation in closed form (the planar Procrustes problem; height is a mean).
 Rigid3 fit(const std::vector<Pair>& pairs, const std::vector<double>& weights) {
   double sum = 0;
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();
@@ -55,13 +57,6 @@ std::vector<OffsetPair> offset_pairs(const PoseTrack& track, std::span<const Gps
 
 }  // namespace
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void transform_track(PoseTrack& track, const Rigid3& transform) {
   for (int k = 0; k < track.size(); ++k) {
     track.position[k] = transform * track.position[k];
@@ -69,6 +64,8 @@ void transform_track(PoseTrack& track, const Rigid3& transform) {
   }
 }
 
+// Reweights the closed-form fit until jumps have lost their weight, then derives the uncertainty of the yaw from the
+// residuals and the extent of the drive.
 GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> fixes,
                           const Eigen::Vector3d& lever_arm_m, const GpsOptions& options) {
   GpsAlignment out;
@@ -103,6 +100,7 @@ GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> f
   return out;
 }
 
+// Gauss-Newton with Cauchy weights on the differences described in the header; gives up where velocities hardly change.
 GpsOffsetFit fit_gps_offset(const PoseTrack& track, std::span<const GpsPosition> fixes,
                             const Eigen::Vector3d& lever_arm_m) {
   constexpr double kMinInformation = 0.5;  // (m/s)², of changes of velocity: less is a straight drive

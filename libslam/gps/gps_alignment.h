@@ -1,3 +1,4 @@
+/// Position fixes: alignment of a trajectory with them, their clock, and the way into the map frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,14 +40,12 @@ struct GpsOffsetFit {
 };
 
 /// Least squares over differences of the offset across two seconds: e(t+2) − e(t) = −(v(t+2) − v(t))·offset. A bias
-/// that wanders slowly cancels in them, and what tells is the change of velocity in turns. `track` is already aligned.
-/// Not solved where the drive has no turn. Robust against jumps.
+/// that wanders slowly cancels in them; the information comes from the change of velocity in turns. `track` is already
+/// aligned. Not solved where the drive has no turn. Robust against jumps.
 GpsOffsetFit fit_gps_offset(const PoseTrack& track, std::span<const GpsPosition> fixes,
                             const Eigen::Vector3d& lever_arm_m);
 
 /// Moves every pose: pose ← transform · pose.
 void transform_track(PoseTrack& track, const Rigid3& transform);
-
-double median_of(std::vector<double> values);  ///< 0 for none
 
 }  // namespace rayfield::slam

@@ -70,6 +70,8 @@ bool LidarAssembler::angle_at(double time_s, double& angle, double& rate) {
   return true;
 }
 
+// Applies the rig's range limits and brings every usable point into the IMU frame. Points whose angle is unknown are
+// left out.
 void LidarAssembler::assemble(const LidarScan& scan, BodyScan& out) {
   out.clear();
   const std::size_t n = scan.range_m.size();

@@ -1,3 +1,4 @@
+/// From the messages of a log to clean data: IMU samples on a grid without spikes, lidar points in the IMU frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +27,7 @@ struct BodyScan {
   }
 };
 
-/// What was left out, for the report.
+/// What came in and what was left out.
 struct AssemblerCounts {
   std::uint64_t scans = 0, points = 0, hits = 0;
   std::uint64_t invalid_points = 0;  ///< NaN, too close, or a direction that is not a unit vector
@@ -37,7 +38,7 @@ struct AssemblerCounts {
 };
 
 /// Brings lidar points into the IMU frame: p_imu = imu_from_spinner · Rot(axis, θ(t)) · spinner_from_lidar · p, with
-/// the encoder angle interpolated at each point's own time and unwrapped. Scans wait until the encoder has passed them.
+/// the encoder angle interpolated at each point's own time and unwrapped. Scans wait until the encoder data cover them.
 class LidarAssembler {
  public:
   /// `angle_offset_rad` is added to the encoder angle.

@@ -92,6 +92,8 @@ Eigen::Vector3d quadratic_at(const QuadraticMotion& motion, double time_s) {
   return motion.transpose() * Eigen::Vector3d(1, time_s, time_s * time_s);
 }
 
+// Places the points without the unknown motion, then searches in steps: headings of the GPS path if there is one, then
+// velocities on two grids of decreasing spacing.
 QuadraticMotion search_motion(std::span<const BodyPoint> points, const PoseTrack& track,
                               const std::optional<QuadraticMotion>& gps, const Eigen::Vector3d& gps_arm_m,
                               double max_speed, int threads) {

@@ -20,12 +20,12 @@ QuadraticMotion fit_quadratic(std::span<const std::pair<double, Eigen::Vector3d>
 /// Position of a quadratic motion at a time.
 Eigen::Vector3d quadratic_at(const QuadraticMotion& motion, double time_s);
 
-/// The motion of a drive that did not start at rest, in the levelled frame of `track` (yaw zero at the first pose),
+/// The motion of a drive that began in motion, in the levelled frame of `track` (yaw zero at the first pose),
 /// less its value at time zero. `track` holds rotations and the shaking of the vehicle: integrated IMU positions
 /// without their best quadratic, which at that point is made of unknown tilt, bias and velocity. With `gps` (quadratic
 /// of the fixes, ENU) only the heading is unknown: all headings are tried, then the velocity is refined. Without,
-/// velocities up to `max_speed` m/s in the plane of the vehicle's floor are tried. The motion wins under which most
-/// points above the ground meet points of a sweep (about two seconds) before or after.
+/// velocities up to `max_speed` m/s in the plane of the vehicle's floor are tried. The best
+/// motion is the one under which most points above the ground meet points of the sweep (about two seconds) before.
 QuadraticMotion search_motion(std::span<const BodyPoint> points, const PoseTrack& track,
                               const std::optional<QuadraticMotion>& gps, const Eigen::Vector3d& gps_arm_m,
                               double max_speed, int threads);

@@ -3,22 +3,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "libslam/odometry/initialization.h"
 #include "libslam/odometry/motion_search.h"
-#include "libslam/odometry/start.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
 namespace {
 
 constexpr double kGravity = 9.80665;
-constexpr double kAccelBiasSigma = 0.1;  // m/s², before anything is known
-constexpr double kReuse = 3;             // matches that share the error of a surfel
-constexpr double kMaxStartSpeed = 3.5;   // m/s, of a drive that begins in motion
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+constexpr double kAccelBiasSigma = 0.1;   // m/s², before anything is known
+constexpr double kReuse = 3;              // matches that share the error of a surfel
+constexpr double kMaxInitialSpeed = 3.5;  // m/s, of a drive that begins in motion
 
 }  // namespace
 
@@ -37,10 +34,7 @@ void Odometry::add(const BodyScan& scan) {
     lidar_end_s_ = std::max(lidar_end_s_, time);
     if (!std::isfinite(scan.range_m[k]) || time < 0) continue;
     const std::int64_t index = static_cast<std::int64_t>(std::floor(time / bin)) - extracted_bins_;
-    if (index < 0) {
-      ++out_.points_late;
-      continue;
-    }
+    if (index < 0) continue;  // later than its bin
     if (index >= static_cast<std::int64_t>(pending_.size())) pending_.resize(static_cast<std::size_t>(index) + 1);
     sensor_ = scan.origin[k];
     const Eigen::Vector3d p = scan.origin[k] + static_cast<double>(scan.range_m[k]) * scan.direction[k];
@@ -49,7 +43,8 @@ void Odometry::add(const BodyScan& scan) {
 }
 
 void Odometry::add_fix(double time_s, const Eigen::Vector3d& enu) {
-  if (!started_ && (first_fixes_.empty() || time_s > first_fixes_.back().first)) first_fixes_.emplace_back(time_s, enu);
+  if (!initialized_ && (first_fixes_.empty() || time_s > first_fixes_.back().first))
+    first_fixes_.emplace_back(time_s, enu);
 }
 
 void Odometry::integrate_to(int last_sample) {
@@ -59,7 +54,7 @@ void Odometry::integrate_to(int last_sample) {
     const int k = t.size() - 1;
     const Eigen::Vector3d w = 0.5 * (imu_.gyro()[k] + imu_.gyro()[k + 1]) - state_.gyro_bias;
     const Eigen::Vector3d a = t.rotation[k] * (imu_.accel()[k] - state_.accel_bias) - state_.gravity;
-    const Eigen::Vector3d step = k == 0 ? Eigen::Vector3d(out_.start.velocity * dt + 0.5 * dt * dt * a)
+    const Eigen::Vector3d step = k == 0 ? Eigen::Vector3d(out_.initial_motion.velocity * dt + 0.5 * dt * dt * a)
                                         : Eigen::Vector3d(t.position[k] - t.position[k - 1] + dt * dt * a);
     t.position.push_back(t.position[k] + step);
     t.rotation.push_back((t.rotation[k] * exp_so3(dt * w)).normalized());
@@ -67,7 +62,6 @@ void Odometry::integrate_to(int last_sample) {
 }
 
 Result<void> Odometry::extract_to(double time_s) {
-  const double begin = now_s();
   const double bin = options_.surfels.time_bin_s;
   while (!pending_.empty() && static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) {
     std::vector<BodyPoint>& points = pending_.front();
@@ -78,7 +72,6 @@ Result<void> Odometry::extract_to(double time_s) {
         points[k] = points[static_cast<std::size_t>(static_cast<double>(k) * stride)];
       points.resize(limit);
     }
-    out_.points_used += points.size();
     const auto [surfels, poles] =
         extract_features(points, sensor_, out_.track, options_.surfels, options_.poles, thread_count(options_.threads));
     RAYFIELD_CHECK(out_.surfels.append(surfels));
@@ -89,12 +82,11 @@ Result<void> Odometry::extract_to(double time_s) {
     ++extracted_bins_;
   }
   while (static_cast<double>(extracted_bins_ + 1) * bin <= time_s + 1e-9) ++extracted_bins_;  // no points at all
-  out_.extract_seconds += now_s() - begin;
   return {};
 }
 
+// Solves one window and carries the knowledge of biases and gravity over to the next one.
 Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
-  const double begin = now_s();
   const double dt = out_.track.step_s;
   // Windows never begin earlier than the one before.
   const auto first_bin = static_cast<std::int64_t>(first_sample * dt / options_.surfels.time_bin_s + 1e-9);
@@ -121,37 +113,38 @@ Result<void> Odometry::solve(int first_sample, int last_sample, bool first) {
   inertial_covariance_ = 0.5 * (inertial_covariance_ + inertial_covariance_.transpose()).eval();
   out_.windows.push_back(stats);
   out_.inertial.push_back({0.5 * (stats.start_s + stats.end_s), state_});
-  out_.solve_seconds += now_s() - begin;
   return {};
 }
 
-Result<void> Odometry::start() {
+// Initializes attitude, noise, biases and their covariance from the first window of data, and solves it.
+Result<void> Odometry::initialize() {
   const int last = static_cast<int>(std::lround(options_.window.length_s / out_.track.step_s));
-  const StartGuess guess = guess_start(imu_, last);
-  out_.start.stationary_s = guess.stationary_s;
-  // Noisier data than the rig file says are believed less; quieter ones not more.
+  const Initialization initial = find_initialization(imu_, last);
+  out_.initial_motion.stationary_s = initial.stationary_s;
+  // Data that are noisier than the rig file says get less weight; less noisy ones do not get more.
   const WhiteNoise white = measure_white_noise(imu_);
   out_.noise.gyro_scale = std::max(1.0, white.gyro_density / out_.noise.gyro_density);
   out_.noise.accel_scale = std::max(1.0, white.accel_density / out_.noise.accel_density);
-  state_.gyro_bias = guess.gyro_bias;
+  state_.gyro_bias = initial.gyro_bias;
   state_.gravity = Eigen::Vector3d(0, 0, kGravity);
   Eigen::Matrix<double, 8, 1> sigma;
-  sigma << Eigen::Vector3d::Constant(guess.gyro_bias_sigma), Eigen::Vector3d::Constant(kAccelBiasSigma),
-      Eigen::Vector2d::Constant(kGravity * guess.tilt_sigma_rad);
+  sigma << Eigen::Vector3d::Constant(initial.gyro_bias_sigma), Eigen::Vector3d::Constant(kAccelBiasSigma),
+      Eigen::Vector2d::Constant(kGravity * initial.tilt_sigma_rad);
   inertial_covariance_ = sigma.cwiseProduct(sigma).asDiagonal();
-  out_.track.rotation = {guess.level_from_imu};
+  out_.track.rotation = {initial.level_from_imu};
   out_.track.position = {Eigen::Vector3d::Zero()};
-  if (guess.stationary_s == 0) RAYFIELD_CHECK(start_in_motion(last));
+  if (initial.stationary_s == 0) RAYFIELD_CHECK(initialize_in_motion(last));
   integrate_to(last);
   RAYFIELD_CHECK(extract_to(options_.window.length_s));
   RAYFIELD_CHECK(solve(0, last, true));
   done_s_ = options_.window.length_s;
-  started_ = true;
+  initialized_ = true;
   return {};
 }
 
-// Finds the initial motion, then solves a first stretch that is too short for a wrong tilt to lead it far astray.
-Result<void> Odometry::start_in_motion(int last_sample) {
+// Finds the motion over the first window and replaces the quadratic part of the integrated positions by it: tilt, bias
+// and velocity, which are unknown so far, would make that part meaningless.
+Result<void> Odometry::initialize_in_motion(int last_sample) {
   integrate_to(last_sample);
   PoseTrack& track = out_.track;
   std::vector<std::pair<double, Eigen::Vector3d>> integrated;
@@ -165,8 +158,8 @@ Result<void> Odometry::start_in_motion(int last_sample) {
   if (first_fixes_.size() >= 10 && first_fixes_.back().first - first_fixes_.front().first > 0.6 * track.end_s())
     gps = fit_quadratic(first_fixes_);
   const QuadraticMotion motion =
-      search_motion(points, track, gps, rig_.imu_from_gps_m, kMaxStartSpeed, thread_count(options_.threads));
-  out_.start.velocity = motion.row(1).transpose();
+      search_motion(points, track, gps, rig_.imu_from_gps_m, kMaxInitialSpeed, thread_count(options_.threads));
+  out_.initial_motion.velocity = motion.row(1).transpose();
   for (int k = 0; k < track.size(); ++k) track.position[k] += quadratic_at(motion, k * track.step_s);
   return {};
 }
@@ -197,24 +190,25 @@ Result<void> Odometry::last_step() {
 Result<void> Odometry::advance(bool flush) {
   const double margin = 0.05;  // a scan ends a little after its stamp
   while (true) {
-    const double next = started_ ? done_s_ + options_.window.advance_s : options_.window.length_s;
+    const double next = initialized_ ? done_s_ + options_.window.advance_s : options_.window.length_s;
     if (imu_.end_s() < next + 0.02) return {};
     // Without lidar for long the IMU carries the trajectory on.
     if (lidar_end_s_ < next + margin && !flush && imu_.end_s() < next + 3.0) return {};
     if (flush && lidar_end_s_ < next - options_.window.advance_s) return {};
-    RAYFIELD_CHECK(started_ ? step(next) : start());
+    RAYFIELD_CHECK(initialized_ ? step(next) : initialize());
   }
 }
 
 Result<OdometryResult> Odometry::finish() {
   RAYFIELD_CHECK(advance(true));
-  if (started_) RAYFIELD_CHECK(last_step());
-  if (!started_)
+  if (initialized_) RAYFIELD_CHECK(last_step());
+  if (!initialized_)
     return fail(ErrorCode::bad_input, "cannot reconstruct the drive", "log",
                 fmt::format("only {:.1f} s of IMU and lidar data overlap, at least {:.1f} s are needed",
                             std::max(0.0, std::min(imu_.end_s(), lidar_end_s_)), options_.window.length_s));
-  // The first windows saw only the beginning of a longer rest.
-  if (out_.start.stationary_s > 0) out_.start.stationary_s = guess_start(imu_, imu_.size()).stationary_s;
+  // The first window may have seen only the beginning of a longer time at rest.
+  if (out_.initial_motion.stationary_s > 0)
+    out_.initial_motion.stationary_s = find_initialization(imu_, imu_.size()).stationary_s;
   return std::move(out_);
 }
 

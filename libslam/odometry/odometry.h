@@ -1,3 +1,4 @@
+/// Stage a: initialization and non-rigid registration in a sliding window.
 #pragma once
 
 #include <cstdint>
@@ -21,23 +22,21 @@ struct InertialNode {
 };
 
 /// How the drive began.
-struct StartInfo {
-  double stationary_s = 0;  ///< length of the stationary start, 0 if the drive began in motion
+struct InitialMotion {
+  double stationary_s = 0;                             ///< time at rest, 0 if the drive began in motion
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< initial, in the levelled frame of the first pose, m/s
 };
 
-/// What the windowed stage hands to the global one. Times are seconds after the epoch.
+/// Result of stage a, which the global registration refines. Times are seconds after the epoch.
 struct OdometryResult {
   double epoch_s = 0;
   PoseTrack track;
   SurfelFile surfels;
-  std::vector<Surfel> poles;  ///< sightings, in the order of time bins: some ten a second
+  std::vector<Surfel> poles;  ///< detections in the order of time bins: some ten a second
   std::vector<InertialNode> inertial;
   std::vector<WindowStats> windows;
-  StartInfo start;
+  InitialMotion initial_motion;
   InertialNoise noise;
-  std::uint64_t points_used = 0, points_late = 0;
-  double extract_seconds = 0, solve_seconds = 0;  ///< processor time of the two parts
 };
 
 /// Stage a, streaming: keeps the points of the bins that are not yet complete and the surfels of the whole drive.
@@ -48,8 +47,8 @@ class Odometry {
   void add(const ImuSample& sample) { imu_.add(sample); }
   void add(const BodyScan& scan);
 
-  /// A fix (seconds after the epoch, any tangent plane), used to find the motion of a drive that does not start at
-  /// rest.
+  /// A fix (seconds after the epoch, any tangent plane), used to find the initial motion of a drive that does not
+  /// begin at rest.
   void add_fix(double time_s, const Eigen::Vector3d& enu);
 
   /// Solves every window whose data are complete; with `flush` all that is left.
@@ -61,8 +60,8 @@ class Odometry {
   const ImuGrid& imu() const { return imu_; }
 
  private:
-  Result<void> start();
-  Result<void> start_in_motion(int last_sample);
+  Result<void> initialize();
+  Result<void> initialize_in_motion(int last_sample);
   Result<void> step(double window_end_s);
   Result<void> last_step();
   void integrate_to(int last_sample);
@@ -72,7 +71,7 @@ class Odometry {
   Rig rig_;
   SlamOptions options_;
   ImuGrid imu_;
-  bool started_ = false;
+  bool initialized_ = false;
   double done_s_ = 0;                                 // the trajectory is solved up to here
   double lidar_end_s_ = -1;                           // time of the newest point
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  // the newest beam's start, IMU frame
@@ -85,7 +84,7 @@ class Odometry {
   };
   std::vector<Surfel> newest_;
   std::deque<Bin> newest_bins_;
-  std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until the drive has started
+  std::vector<std::pair<double, Eigen::Vector3d>> first_fixes_;  // until initialized
   InertialState state_;
   Matrix8d inertial_covariance_ = Matrix8d::Identity();
   OdometryResult out_;

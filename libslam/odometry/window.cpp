@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "libslam/solver/surfel_terms.h"
+#include "libslam/surfels/surfel_match.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
@@ -18,27 +20,15 @@ constexpr double kFixed = 1e14;  // information that holds an unknown
 
 double mix_log(double a, double b, double f) { return a * std::pow(b / a, std::clamp(f, 0.0, 1.0)); }
 
-struct ImuSums {
-  double gyro = 0, accel = 0;
-  int count = 0;
-};
-
-ImuSums add_imu_terms(const ResidualFrame& frame, const ImuGrid& imu, const InertialNoise& noise,
-                      const InertialState& state, int bias_block, int first, int last, BlockSystem& system) {
-  ImuSums sums;
+void add_imu_terms(const ResidualFrame& frame, const ImuGrid& imu, const InertialNoise& noise,
+                   const InertialState& state, int bias_block, int first, int last, BlockSystem& system) {
   const BiasWeights bias{{bias_block, bias_block}, {1, 0}};
   const double duration = kImuGroup * frame.track->step_s;
   const double gyro_weight = 1 / noise.gyro_variance(duration), accel_weight = 1 / noise.accel_variance(duration);
   for (int k = std::max(first, 1); k + kImuGroup < last; k += kImuGroup) {
-    const auto g = gyro_residual(frame, bias, state, imu.gyro(), k, kImuGroup);
-    const auto a = accel_residual(frame, bias, state, imu.accel(), k, kImuGroup);
-    system.add(g, gyro_weight);
-    system.add(a, accel_weight);
-    sums.gyro += g.error.squaredNorm() * gyro_weight / 3;
-    sums.accel += a.error.squaredNorm() * accel_weight / 3;
-    ++sums.count;
+    system.add(gyro_residual(frame, bias, state, imu.gyro(), k, kImuGroup), gyro_weight);
+    system.add(accel_residual(frame, bias, state, imu.accel(), k, kImuGroup), accel_weight);
   }
-  return sums;
 }
 
 void describe(const SurfelSums& sums, WindowStats& stats) {
@@ -50,14 +40,14 @@ void describe(const SurfelSums& sums, WindowStats& stats) {
   stats.weakest_direction = eigen.eigenvectors().col(0);
 }
 
-// Joins the window to what lies before it, or fixes the gauge of the first one.
-void add_start(const ResidualFrame& frame, const WindowPrior& prior, double start_s, BlockSystem& system) {
+// Joins the window to the trajectory before it, or fixes the gauge of the first one.
+void add_boundary(const ResidualFrame& frame, const WindowPrior& prior, double start_s, BlockSystem& system) {
   if (!prior.first) {
     for (int j = 0; j < 3; ++j)
       system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(kFixed));
     return;
   }
-  // No correction at the start. That holds its tilt too: what is wrong with it shows as the direction of gravity.
+  // No correction at the beginning. That includes tilt, whose error appears as the direction of gravity.
   const SplineWeights w = frame.spline.weights(start_s);
   const Eigen::Vector3d p = frame.track->pose(start_s).translation;
   LinearResidual<6> r;
@@ -67,7 +57,7 @@ void add_start(const ResidualFrame& frame, const WindowPrior& prior, double star
     block.topRightCorner<3, 3>() -= w.value[j] * 1e4 * hat(p - frame.anchor[w.first + j]);
   }
   system.add(r, 1);
-  // A knot that no datum reaches must not make the system singular.
+  // A knot that no data constrain must not make the system singular.
   for (int j = 0; j < frame.spline.knots(); ++j)
     system.add_prior(frame.first_knot_block + j, Vector6d::Zero(), Vector6d::Constant(1e-4));
 }
@@ -89,6 +79,46 @@ void add_inertial_prior(const WindowPrior& prior, const InertialState& before, c
   system.add_prior(extra_block, Vector6d::Zero(), rest);
 }
 
+// Scales of an iteration: `f` grows from 0 to 1 while matches and weights are annealed. Later windows begin with a
+// trajectory that is right except for the newest second: they anneal over the second half only.
+double annealing(bool first_window, int iteration, int iterations) {
+  return first_window ? iteration / std::max(1.0, iterations - 5.0)
+                      : 0.5 + 0.5 * iteration / std::max(1.0, iterations - 2.0);
+}
+
+// Matches surfels at the present trajectory and adds their residuals to `system`, which is empty. `parts` is scratch of
+// the same size: a fixed number of partial sums, so that threads do not change the result.
+SurfelSums add_surfels(const ResidualFrame& frame, std::span<const Surfel> surfels, const Eigen::Vector3d& origin,
+                       const SlamOptions& options, double f, std::vector<BlockSystem>& parts, BlockSystem& system) {
+  const int threads = thread_count(options.threads);
+  const auto placed = place_surfels(surfels, *frame.track, origin, threads);
+  MatchQuery query;
+  query.radius_voxels = mix_log(options.match.first_radius_voxels, options.match.last_radius_voxels, f);
+  query.normal_scale_m = options.match.normal_scale_m;
+  query.min_gap_s = options.match.min_time_gap_s;
+  const auto matches = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
+  const double cauchy = mix_log(options.match.first_cauchy, options.match.last_cauchy, f);
+  std::array<SurfelSums, kParts> sums_of;
+  parallel_each(kParts, threads, [&](std::size_t part, int) {
+    const std::size_t begin = matches.size() * part / kParts, end = matches.size() * (part + 1) / kParts;
+    parts[part].clear();
+    sums_of[part] = add_surfel_terms(frame, surfels, std::span(matches).subspan(begin, end - begin),
+                                     {options.match.sigma_m, cauchy}, parts[part], parts[part]);
+  });
+  SurfelSums sums;
+  for (std::size_t part = 0; part < kParts; ++part) system.add(parts[part]), sums.add(sums_of[part]);
+  return sums;
+}
+
+// Adds the solution's corrections of biases and gravity, whose length stays as it is.
+void correct_inertial_state(const Eigen::VectorXd& x, int bias_block, int extra_block, InertialState& state) {
+  state.gyro_bias += x.segment<3>(6 * bias_block);
+  state.accel_bias += x.segment<3>(6 * bias_block + 3);
+  const double length = state.gravity.norm();
+  state.gravity.head<2>() += x.segment<2>(6 * extra_block);
+  state.gravity.z() = std::sqrt(length * length - state.gravity.head<2>().squaredNorm());
+}
+
 }  // namespace
 
 double InertialNoise::gyro_variance(double duration_s) const {
@@ -100,57 +130,7 @@ double InertialNoise::accel_variance(double duration_s) const {
   return sigma * sigma / duration_s;
 }
 
-void set_spinner(const Rig& rig, ResidualFrame& frame) {
-  if (!rig.spinner) return;
-  frame.spin_axis = rig.imu_from_spinner.rotation * rig.spinner->axis;
-  frame.spin_origin = rig.imu_from_spinner.translation;
-}
-
-void SurfelSums::add(const SurfelSums& other) {
-  matches += other.matches, inliers += other.inliers;
-  weights += other.weights, squares += other.squares;
-  information += other.information;
-}
-
-SurfelSums add_surfel_terms(const ResidualFrame& frame, std::span<const Surfel> surfels,
-                            std::span<const SurfelMatch> matches, const SurfelWeights& weights, BlockSystem& system,
-                            BlockSystem& coupling) {
-  const double slack2 = weights.slack_m * weights.slack_m;
-  SurfelSums sums;
-  sums.matches = matches.size();
-  for (const SurfelMatch& m : matches) {
-    const Surfel &a = surfels[m.first], &b = surfels[m.second];
-    const PairResidual r = surfel_residual(frame, a, b);
-    const double layers = static_cast<double>(a.variance_m2) + static_cast<double>(b.variance_m2);
-    const double variance = weights.sigma_m * weights.sigma_m + weights.layer_share * layers;
-    const double square = r.error() * r.error();
-    const double scale2 = weights.cauchy * weights.cauchy * variance + slack2;
-    const double weight = weights.share / ((variance + slack2) * (1 + square / scale2));
-    system.add(r.first, weight);
-    system.add(r.second, weight);
-    coupling.add_coupling(r.first, r.second, weight);
-    sums.weights += weight, sums.squares += weight * square;
-    sums.inliers += square < 9 * variance;
-    sums.information += kIndependentShare / weights.share * weight * r.normal * r.normal.transpose();
-  }
-  return sums;
-}
-
-void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track) {
-  for (int k = first; k <= last; ++k) {
-    const SplineWeights w = frame.spline.weights(k * track.step_s);
-    const Eigen::Vector3d p = track.position[k];
-    Eigen::Vector3d move = Eigen::Vector3d::Zero(), turn = move;
-    for (int j = 0; j < 4; ++j) {
-      const auto x = knots.segment<6>(6 * (w.first + j));
-      move += w.value[j] * (x.head<3>() + x.tail<3>().cross(p - frame.anchor[w.first + j]));
-      turn += w.value[j] * x.tail<3>();
-    }
-    track.position[k] = p + move;
-    track.rotation[k] = (exp_so3(turn) * track.rotation[k]).normalized();
-  }
-}
-
+// Iterates: matches surfels, builds the normal equations of surfels, IMU, boundary and prior, solves, corrects.
 Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span<const Surfel> surfels,
                                  const SlamOptions& options, const InertialNoise& noise, const WindowPrior& prior,
                                  int first_sample, int last_sample, InertialState& state) {
@@ -167,49 +147,20 @@ Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span
 
   WindowStats stats;
   stats.start_s = frame.spline.start_s, stats.end_s = stats.start_s + length;
-  stats.surfels = static_cast<int>(surfels.size());
   const InertialState before = state;
-  const int threads = thread_count(options.threads);
   const int iterations = prior.first ? options.window.first_iterations : options.window.max_iterations;
   for (int it = 0; it < iterations; ++it) {
-    // Later windows start from a trajectory that is right but for the newest second: they anneal over the second half.
-    const double f =
-        prior.first ? it / std::max(1.0, iterations - 5.0) : 0.5 + 0.5 * it / std::max(1.0, iterations - 2.0);
-    const auto placed = place_surfels(surfels, track, track.position[first_sample], threads);
-    MatchQuery query;
-    query.radius_voxels = mix_log(options.match.first_radius_voxels, options.match.last_radius_voxels, f);
-    query.normal_scale_m = options.match.normal_scale_m;
-    query.min_gap_s = options.match.min_time_gap_s;
-    const auto matches = mutual_matches(placed, options.surfels.voxel_size_m, query, threads);
-    const double cauchy = mix_log(options.match.first_cauchy, options.match.last_cauchy, f);
-
+    const double f = annealing(prior.first, it, iterations);
     system.clear();
     frame.anchor = anchors_of(frame.spline, track);
-    // A fixed number of partial sums: threads must not change the result.
-    std::array<SurfelSums, kParts> sums_of;
-    parallel_each(kParts, threads, [&](std::size_t part, int) {
-      const std::size_t begin = matches.size() * part / kParts, end = matches.size() * (part + 1) / kParts;
-      parts[part].clear();
-      sums_of[part] = add_surfel_terms(frame, surfels, std::span(matches).subspan(begin, end - begin),
-                                       {options.match.sigma_m, cauchy}, parts[part], parts[part]);
-    });
-    SurfelSums surfel_sums;
-    for (std::size_t part = 0; part < kParts; ++part) system.add(parts[part]), surfel_sums.add(sums_of[part]);
-    describe(surfel_sums, stats);
-    const ImuSums sums = add_imu_terms(frame, imu, noise, state, bias_block, first_sample, last_sample, system);
-    stats.gyro_rms = std::sqrt(sums.gyro / std::max(1, sums.count)) * noise.gyro_scale;
-    stats.accel_rms = std::sqrt(sums.accel / std::max(1, sums.count)) * noise.accel_scale;
-    add_start(frame, prior, stats.start_s, system);
+    describe(add_surfels(frame, surfels, track.position[first_sample], options, f, parts, system), stats);
+    add_imu_terms(frame, imu, noise, state, bias_block, first_sample, last_sample, system);
+    add_boundary(frame, prior, stats.start_s, system);
     add_inertial_prior(prior, before, state, bias_block, extra_block, system);
 
     RAYFIELD_ASSIGN(const Eigen::VectorXd x, system.solve());
     apply_correction(frame, x.head(6 * frame.spline.knots()), first_sample, last_sample, track);
-    state.gyro_bias += x.segment<3>(6 * bias_block);
-    state.accel_bias += x.segment<3>(6 * bias_block + 3);
-    const double length_of_gravity = state.gravity.norm();
-    state.gravity.head<2>() += x.segment<2>(6 * extra_block);
-    state.gravity.z() = std::sqrt(length_of_gravity * length_of_gravity - state.gravity.head<2>().squaredNorm());
-    stats.iterations = it + 1;
+    correct_inertial_state(x, bias_block, extra_block, state);
     double largest = 0;
     for (int j = 0; j < frame.spline.knots(); ++j) largest = std::max(largest, x.segment<3>(6 * j).norm());
     if (f >= 1 && largest < options.window.converged_m) break;

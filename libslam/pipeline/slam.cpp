@@ -6,11 +6,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "libslam/global/global.h"
+#include "libslam/global_registration/global_registration.h"
 #include "libslam/gps/georeference.h"
 #include "libslam/input/read_ahead.h"
-#include "libslam/pipeline/drive_input.h"
-#include "libslam/pipeline/judge.h"
+#include "libslam/pipeline/log_odometry.h"
+#include "libslam/pipeline/quality_check.h"
+#include "libslam/pipeline/run_report.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
@@ -29,27 +30,27 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// World → levelled world: the windowed stage knows gravity to better than its first tilt.
-Rigid3 level(const OdometryResult& odometry) {
+// World → levelled world, by the mean of gravity as stage a estimated it.
+Rigid3 level_from_world(const OdometryResult& odometry) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const InertialNode& node : odometry.inertial) up += node.state.gravity;
   return {Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
 }
 
-void move(OdometryResult& odometry, const Rigid3& transform, Eigen::Quaterniond& total) {
+void transform_odometry(OdometryResult& odometry, const Rigid3& transform, Eigen::Quaterniond& total) {
   transform_track(odometry.track, transform);
   total = (transform.rotation * total).normalized();
 }
 
-Result<SlamResult> into_map(const Drive& drive, const GpsTrack& gps, const GpsAlignment& alignment,
+Result<SlamResult> into_map(const LogSection& section, const GpsTrack& gps, const GpsAlignment& alignment,
                             const std::string& crs) {
   SlamResult out;
-  const double epoch = drive.odometry.epoch_s;
+  const double epoch = section.odometry.epoch_s;
   if (!alignment.solved || crs.empty()) {
-    out.trajectory = local_trajectory(drive.odometry.track, epoch);
+    out.trajectory = local_trajectory(section.odometry.track, epoch);
   } else {
     RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(crs));
-    out.trajectory = map_trajectory(drive.odometry.track, epoch, *gps.plane, frame);
+    out.trajectory = map_trajectory(section.odometry.track, epoch, *gps.plane, frame);
     for (const GpsPosition& p : gps.positions)
       out.gps.push_back({epoch + p.time_s, frame.map_from_geodetic(gps.plane->geodetic_from_enu(p.enu)), false});
   }
@@ -75,46 +76,48 @@ std::string frame_note(const GpsTrack& gps, const GpsAlignment& alignment, const
                              options.min_baseline_m);
 }
 
-// One pass over the log, with sensors that are off by what is `known`. The map of the `last` pass is judged.
+// One pass over the log, with sensors that are off by what is `known`. The quality of the result is checked in the
+// `last` pass.
 Result<SlamResult> reconstruct(const LogReader& read, const Rig& rig, const SensorOffsets& known, bool last,
                                const std::string& crs, const SlamOptions& options, Progress& progress) {
   Clock clock;
 
-  // a: the windowed stage runs while the log is read.
+  // Stage a runs while the log is read.
   progress.stage("windowed registration", 0, "scans");
-  DriveInput input(rig, known, options, progress);
+  LogOdometry input(rig, known, options, progress);
   RAYFIELD_CHECK(read_ahead(read, input, thread_count(options.threads)));
-  RAYFIELD_ASSIGN(Drive drive, input.finish());
+  RAYFIELD_ASSIGN(LogSection section, input.finish());
   const double window_seconds = clock.lap();
 
   // Into the frame of the fixes.
-  OdometryResult& odometry = drive.odometry;
+  OdometryResult& odometry = section.odometry;
   const double epoch = odometry.epoch_s, end = epoch + odometry.track.end_s();
   Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
-  move(odometry, level(odometry), turned);
+  transform_odometry(odometry, level_from_world(odometry), turned);
   GpsTrack gps = rig.gps ? collect_fixes(input.fixes(), rig, epoch, end, epoch, options.gps) : GpsTrack{};
   GpsAlignment alignment = align_to_gps(odometry.track, gps.positions, rig.imu_from_gps_m, options.gps);
-  if (alignment.solved) move(odometry, alignment.enu_from_world, turned);
+  if (alignment.solved) transform_odometry(odometry, alignment.enu_from_world, turned);
   GpsOffsetFit gps_offset;
   if (alignment.solved && rig.estimate_gps_offset) {
     gps_offset = fit_gps_offset(odometry.track, gps.positions, rig.imu_from_gps_m);
     for (GpsPosition& p : gps.positions) p.time_s += gps_offset.offset_s;
   }
 
-  // b: the whole drive at once.
+  // Stage b: the whole drive at once.
   const std::span<const GpsPosition> fixes =
       alignment.solved ? std::span<const GpsPosition>(gps.positions) : std::span<const GpsPosition>();
-  RAYFIELD_ASSIGN(const GlobalStats stats, register_globally(odometry, *drive.imu, fixes, rig, options, progress));
+  RAYFIELD_ASSIGN(const RegistrationStats stats,
+                  register_globally(odometry, *section.imu, fixes, rig, options, progress));
   if (alignment.solved) {
-    // The shape is now the lidar's; yaw and position are those that suit all fixes best.
+    // The shape now comes from the lidar; yaw and position are fitted to all fixes once more.
     alignment = align_to_gps(odometry.track, gps.positions, rig.imu_from_gps_m, options.gps);
-    move(odometry, alignment.enu_from_world, turned);
+    transform_odometry(odometry, alignment.enu_from_world, turned);
   }
   const double global_seconds = clock.lap();
 
-  RAYFIELD_ASSIGN(SlamResult out, into_map(drive, gps, alignment, crs));
+  RAYFIELD_ASSIGN(SlamResult out, into_map(section, gps, alignment, crs));
   out.offsets = {known.lidar_s + stats.offsets[0], known.spinner_rad + stats.offsets[1]};
-  RunFacts facts{drive, gps, alignment, stats, rig, options, gps_offset, turned};
+  RunFacts facts{section, gps, alignment, stats, rig, options, gps_offset, turned};
   out.report = make_report(facts, out);
   out.report.crs = alignment.solved ? crs : std::string();
   out.report.frame_note = frame_note(gps, alignment, rig, crs, options.gps);
@@ -124,7 +127,7 @@ Result<SlamResult> reconstruct(const LogReader& read, const Rig& rig, const Sens
   for (const auto& [name, seconds] :
        {std::pair("read and windowed registration", window_seconds), std::pair("global registration", global_seconds)})
     out.report.stages.push_back({name, seconds, duration / std::max(seconds, 1e-9)});
-  if (last) RAYFIELD_CHECK(judge(facts, out.report));
+  if (last) RAYFIELD_CHECK(check_quality(facts, out.report));
   return out;
 }
 
@@ -136,8 +139,8 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
   if (!crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(crs));
   if (!rig.estimate_lidar_offset && !(rig.spinner && rig.estimate_spinner_offset))
     return reconstruct(read, rig, {}, true, crs, options, progress);
-  // The windows of the first pass take a tenth of an offset for motion of the vehicle, to and fro with the spinner,
-  // which stage b is too stiff to take back. In the second pass that is a tenth of a tenth.
+  // The windows of the first pass mistake a tenth of an offset for motion of the vehicle in step with the spinner,
+  // which stage b is too stiff to correct. In the second pass it is a tenth of a tenth.
   Clock clock;
   RAYFIELD_ASSIGN(const SlamResult first, reconstruct(read, rig, {}, false, crs, options, progress));
   const double seconds = clock.lap();

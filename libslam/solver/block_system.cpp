@@ -18,23 +18,24 @@ tl::unexpected<Error> singular() {
 
 constexpr double kDenseShare = 0.2;  // of all blocks filled: from here on a dense factor is the faster one
 
-struct Where {
+struct BlockPosition {
   int row, column;
   std::size_t value;
 };
 
 // Blocks by column, then row: sums over them do not depend on the order of insertion.
-std::vector<Where> sorted_blocks(const std::vector<std::pair<int, int>>& where) {
-  std::vector<Where> out;
+std::vector<BlockPosition> sorted_blocks(const std::vector<std::pair<int, int>>& where) {
+  std::vector<BlockPosition> out;
   out.reserve(where.size());
   for (std::size_t k = 0; k < where.size(); ++k) out.push_back({where[k].first, where[k].second, k});
-  std::sort(out.begin(), out.end(),
-            [](const Where& a, const Where& b) { return a.column != b.column ? a.column < b.column : a.row < b.row; });
+  std::sort(out.begin(), out.end(), [](const BlockPosition& a, const BlockPosition& b) {
+    return a.column != b.column ? a.column < b.column : a.row < b.row;
+  });
   return out;
 }
 
 // Upper triangle of the blocks given (sorted).
-Sparse sparse_matrix(int blocks, const std::vector<Where>& where, const std::vector<Matrix6d>& values) {
+Sparse sparse_matrix(int blocks, const std::vector<BlockPosition>& where, const std::vector<Matrix6d>& values) {
   Sparse m(6 * blocks, 6 * blocks);
   m.reserve(static_cast<Eigen::Index>(36 * where.size()));
   std::size_t begin = 0;
@@ -54,9 +55,9 @@ Sparse sparse_matrix(int blocks, const std::vector<Where>& where, const std::vec
 }
 
 // out += H·v.
-void add_product(const std::vector<Where>& where, const std::vector<Matrix6d>& values, const Eigen::VectorXd& v,
+void add_product(const std::vector<BlockPosition>& where, const std::vector<Matrix6d>& values, const Eigen::VectorXd& v,
                  Eigen::VectorXd& out) {
-  for (const Where& w : where) {
+  for (const BlockPosition& w : where) {
     const Matrix6d& h = values[w.value];
     out.segment<6>(6 * w.row).noalias() += h * v.segment<6>(6 * w.column);
     if (w.row < w.column) out.segment<6>(6 * w.column).noalias() += h.transpose() * v.segment<6>(6 * w.row);
@@ -203,7 +204,7 @@ Result<Eigen::VectorXd> BlockSystem::solve(const BlockSystem& coupling) const {
   constexpr int kMaxIterations = 2000;
   constexpr double kTolerance = 1e-7;
   if (!gradient_.allFinite()) return singular();
-  const std::vector<Where> own = sorted_blocks(where_), other = sorted_blocks(coupling.where_);
+  const std::vector<BlockPosition> own = sorted_blocks(where_), other = sorted_blocks(coupling.where_);
   const SparseSolver preconditioner(sparse_matrix(blocks_, own, values_));
   if (preconditioner.info() != Eigen::Success || preconditioner.vectorD().minCoeff() <= 0) return singular();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(gradient_.size()), q = x, r = -gradient_, z = preconditioner.solve(r),

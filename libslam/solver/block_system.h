@@ -1,3 +1,4 @@
+/// Residuals, their Jacobians, and the normal equations that both stages solve.
 #pragma once
 
 #include <Eigen/Core>
@@ -82,15 +83,14 @@ class BlockSystem {
   /// Solves for x by Cholesky factorisation. Errors: bad_input where H is not positive definite.
   Result<Eigen::VectorXd> solve() const;
 
-  /// Solves for x with H + `coupling`, by conjugate gradients preconditioned by the factor of H. Revisits tie every
-  /// stretch of a drive to every other: a factor of the whole would be full, one of the chain alone is thin.
+  /// Solves for x with H + `coupling`, by conjugate gradients preconditioned by the factor of H. Loop closures
+  /// tie every part of a drive to every other: a factor of the whole would be full, one of the chain alone is sparse.
   /// Errors: bad_input where either is not positive definite.
   Result<Eigen::VectorXd> solve(const BlockSystem& coupling) const;
 
   /// Marginal covariances: for each asked block b the part of H⁻¹ that belongs to the blocks b … b+width-1.
   Result<std::vector<Eigen::MatrixXd>> marginals(const std::vector<int>& blocks, int width = 1) const;
 
-  const Eigen::VectorXd& gradient() const { return gradient_; }
   int blocks() const { return blocks_; }
 
  private:

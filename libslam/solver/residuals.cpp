@@ -16,8 +16,8 @@ PairGeometry pair_of(const Rigid3& pose_a, const Surfel& a, const Rigid3& pose_b
   return {pose_b * b.center.cast<double>() - pose_a * a.center.cast<double>(), sum / length, length};
 }
 
-// A point of the lidar's in the IMU frame.
-struct Sighted {
+// A lidar point in the IMU frame.
+struct LidarPoint {
   double time_s = 0;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   double spin_rate_rad_s = 0;
@@ -26,8 +26,8 @@ struct Sighted {
 // Adds what one point does to e = n·(s_b − s_a) to its side, sign −1 for a and 1 for b. Its place s = t + r·c moves as
 // add_place() says; besides, e changes by `tilt`·δr as its pose turns. The extra unknowns act as
 //   ds/d(lidar offset) = v + ω × r·c + θ̇·r·(axis × (c − o)),   ds/d(spinner offset) = r·(axis × (c − o)).
-void add_side(const ResidualFrame& frame, const Sighted& s, const Rigid3& pose, const Eigen::Vector3d& n, double sign,
-              const Eigen::Vector3d& tilt, SplineResidual& out) {
+void add_side(const ResidualFrame& frame, const LidarPoint& s, const Rigid3& pose, const Eigen::Vector3d& n,
+              double sign, const Eigen::Vector3d& tilt, SplineResidual& out) {
   const Eigen::Vector3d arm = pose.rotation * s.point, place = pose.translation + arm;
   const SplineWeights w = frame.spline.weights(s.time_s);
   out.first = frame.first_knot_block + w.first;
@@ -53,14 +53,14 @@ void add_surfel_side(const ResidualFrame& frame, const Surfel& s, const Rigid3& 
   const Eigen::Vector3d& n = pair.normal;
   const Eigen::Vector3d across = pair.between - n * n.dot(pair.between);
   const Eigen::Vector3d tilt = (pose.rotation * s.normal.cast<double>()).cross(across) / pair.normals_length;
-  const Sighted sighted{s.time_s, s.center.cast<double>(), static_cast<double>(s.spin_rate_rad_s)};
-  add_side(frame, sighted, pose, n, sign, tilt, out);
+  const LidarPoint point{s.time_s, s.center.cast<double>(), static_cast<double>(s.spin_rate_rad_s)};
+  add_side(frame, point, pose, n, sign, tilt, out);
 }
 
-void add_pole_side(const ResidualFrame& frame, const PoleVisit& v, const Rigid3& pose, double depth_m,
+void add_pole_side(const ResidualFrame& frame, const PoleObservation& v, const Rigid3& pose, double depth_m,
                    const PairGeometry& pair, double sign, SplineResidual& out) {
   const Eigen::Vector3d& n = pair.normal;
-  const Sighted axis{v.time_s, v.center + depth_m * v.view, static_cast<double>(v.spin_rate_rad_s)};
+  const LidarPoint axis{v.time_s, v.center + depth_m * v.view, static_cast<double>(v.spin_rate_rad_s)};
   add_side(frame, axis, pose, n, sign, n.cross(pair.between) / pair.normals_length, out);
   if (frame.extra_block >= 0) out.extra_row[kPoleDepth] += sign * n.dot(pose.rotation * v.view);
 }
@@ -78,11 +78,32 @@ void add_place(const ResidualFrame& frame, double time_s, const Eigen::Vector3d&
 
 }  // namespace
 
+void set_spinner(const Rig& rig, ResidualFrame& frame) {
+  if (!rig.spinner) return;
+  frame.spin_axis = rig.imu_from_spinner.rotation * rig.spinner->axis;
+  frame.spin_origin = rig.imu_from_spinner.translation;
+}
+
 std::vector<Eigen::Vector3d> anchors_of(const CorrectionSpline& spline, const PoseTrack& track) {
   std::vector<Eigen::Vector3d> out;
   for (int j = 0; j < spline.knots(); ++j)
     out.push_back(track.pose(std::clamp(spline.start_s + (j - 1) * spline.step_s, 0.0, track.end_s())).translation);
   return out;
+}
+
+void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track) {
+  for (int k = first; k <= last; ++k) {
+    const SplineWeights w = frame.spline.weights(k * track.step_s);
+    const Eigen::Vector3d p = track.position[k];
+    Eigen::Vector3d move = Eigen::Vector3d::Zero(), turn = move;
+    for (int j = 0; j < 4; ++j) {
+      const auto x = knots.segment<6>(6 * (w.first + j));
+      move += w.value[j] * (x.head<3>() + x.tail<3>().cross(p - frame.anchor[w.first + j]));
+      turn += w.value[j] * x.tail<3>();
+    }
+    track.position[k] = p + move;
+    track.rotation[k] = (exp_so3(turn) * track.rotation[k]).normalized();
+  }
 }
 
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b) {
@@ -101,10 +122,10 @@ PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const 
   return out;
 }
 
-PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
-                           const Eigen::Vector3d& n) {
+PairResidual pole_residual(const ResidualFrame& frame, const PoleObservation& a, const PoleObservation& b,
+                           double depth_m, const Eigen::Vector3d& n) {
   const Rigid3 pose_a = frame.track->pose(a.time_s), pose_b = frame.track->pose(b.time_s);
-  const auto axis = [&](const PoleVisit& v) { return Eigen::Vector3d(v.center + depth_m * v.view); };
+  const auto axis = [&](const PoleObservation& v) { return Eigen::Vector3d(v.center + depth_m * v.view); };
   const PairGeometry pair{pose_b * axis(b) - pose_a * axis(a), n, 2};  // n = (n + n)/2, each held by its pose
   PairResidual out;
   out.first.error = out.second.error = n.dot(pair.between);

@@ -4,19 +4,20 @@
 #include <vector>
 
 #include "libslam/solver/block_system.h"
-#include "libslam/surfels/pole_visits.h"
+#include "libslam/surfels/pole_observations.h"
 #include "libslam/surfels/surfel.h"
 #include "libslam/trajectory/correction_spline.h"
 #include "libslam/trajectory/pose_track.h"
+#include "rayfield/core/rig.h"
 
 /// Residuals of both stages, linearised at zero correction: after every iteration the correction is applied to the
 /// trajectory, so the derivatives are needed there only. Knot j with weight w_j(τ) moves its anchor c_j by δt_j and
 /// turns the trajectory about it by δr_j:
 ///   t(τ) ← t(τ) + Σ w_j·(δt_j + δr_j × (t(τ) − c_j)),  r(τ) ← exp(Σ w_j·δr_j)·r(τ).
-/// The paper (SLAM) has t ← t + δt(τ) for the first. Turning about anchors keeps the shape of a stretch that is turned
-/// as a whole, at any spacing of knots: a yaw drift over many lanes is put right without bending the turns between
-/// them. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra block is
-/// what ExtraUnknown says.
+/// The paper (SLAM) has t ← t + δt(τ) for the first. Turning about anchors keeps the shape of a part of the
+/// drive that is turned as a whole, at any knot spacing: a yaw drift over many lanes is corrected without bending the
+/// turns between them. A knot's block is (δt, δr); a bias block is (gyro, accelerometer) in rad/s and m/s²; the extra
+/// block is what ExtraUnknown says.
 namespace rayfield::slam {
 
 /// Places in the extra block; the sixth is unused. Gravity (world, m/s²), lidar clock (s), spinner angle (rad), depth
@@ -34,8 +35,14 @@ struct ResidualFrame {
   Eigen::Vector3d spin_origin = Eigen::Vector3d::Zero();  ///< a point of the spinner's axis in the IMU frame, m
 };
 
+/// Sets the spinner's axis in the IMU frame; without a spinner it stays zero.
+void set_spinner(const Rig& rig, ResidualFrame& frame);
+
 /// The positions of the track at the knots of a spline.
 std::vector<Eigen::Vector3d> anchors_of(const CorrectionSpline& spline, const PoseTrack& track);
+
+/// Moves track[first … last] by the corrections of the knots, six values each, as above.
+void apply_correction(const ResidualFrame& frame, const Eigen::VectorXd& knots, int first, int last, PoseTrack& track);
 
 /// Biases at one time as a weighted sum of bias blocks (linear between nodes).
 struct BiasWeights {
@@ -62,10 +69,10 @@ struct PairResidual {
 double surfel_offset(const PoseTrack& track, const Surfel& a, const Surfel& b);
 PairResidual surfel_residual(const ResidualFrame& frame, const Surfel& a, const Surfel& b);
 
-/// e = (q_b − q_a)·n with the axes q = t(τ) + r(τ)·(c + depth·v) of two visits to a pole, m. n turns with the
+/// e = (q_b − q_a)·n with the axes q = t(τ) + r(τ)·(c + depth·v) of two observations of a pole, m. n turns with the
 /// correction, as that of surfels.
-PairResidual pole_residual(const ResidualFrame& frame, const PoleVisit& a, const PoleVisit& b, double depth_m,
-                           const Eigen::Vector3d& n);
+PairResidual pole_residual(const ResidualFrame& frame, const PoleObservation& a, const PoleObservation& b,
+                           double depth_m, const Eigen::Vector3d& n);
 
 /// Mean over the samples first … first+count-1 of
 ///   e = r(τ)·(a − b_a) − ẗ(τ) − g     (paper, SLAM: e_imu,a; g points up: the specific force at rest), m/s²,

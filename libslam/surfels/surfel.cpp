@@ -4,29 +4,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/surfels/cell_map.h"
-#include "libslam/surfels/pole.h"
+#include "libslam/surfels/pole_detection.h"
+#include "libslam/surfels/voxel_map.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
 namespace {
 
-constexpr double kUpright = 0.3;  // 1 − |n_z| of a surface that also holds the horizontal position: steeper than 45°
+constexpr double kUpright =
+    0.3;  // 1 − |n_z| of a surface that also constrains the horizontal position: steeper than 45°
 
-// Fits a plane to a cell; false where it is not planar enough (method: surfels).
-bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
+// Fits a plane to the points of a voxel; false if they are not planar enough (docs/slam.md, "Stage a": surfels).
+bool fit(const VoxelSums& voxel, const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
          std::size_t level, Surfel& out, double& tilt) {
-  if (cell.count < options.min_points) return false;
-  const double n = cell.count;
-  const Eigen::Vector3d mean = cell.mean();
+  if (voxel.count < options.min_points) return false;
+  const double n = voxel.count;
+  const Eigen::Vector3d mean = voxel.mean();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(cell.covariance());
+  eigen.computeDirect(voxel.covariance());
   const Eigen::Vector3d values = eigen.eigenvalues();
   const double size = options.voxel_size_m[level];
   // A single scan line across a voxel has no second extent: its normal is noise.
   if (values[1] < options.min_extent_fraction * options.min_extent_fraction * size * size) return false;
   if (!(values[0] < options.max_eigenvalue_ratio * values[1])) return false;
-  out.time_s = cell.time_sum / n;
+  out.time_s = voxel.time_sum / n;
   const Rigid3 pose = track.pose(out.time_s);
   const Eigen::Quaterniond inverse = pose.rotation.conjugate();
   const Eigen::Vector3d center = inverse * (mean + origin - pose.translation);
@@ -36,7 +37,7 @@ bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track
   out.center = center.cast<float>();
   out.normal = normal.normalized().cast<float>();
   out.variance_m2 = static_cast<float>(std::max(values[0], 0.0));
-  out.spin_rate_rad_s = static_cast<float>(cell.spin_sum / n);
+  out.spin_rate_rad_s = static_cast<float>(voxel.spin_sum / n);
   out.level = static_cast<std::uint8_t>(level);
   return true;
 }
@@ -45,37 +46,37 @@ bool fit(const Cell& cell, const Eigen::Vector3d& origin, const PoseTrack& track
 using Ranked = std::pair<std::uint64_t, Surfel>;
 
 // The points in one of the two staggered grids of a voxel size.
-CellMap fill_grid(std::span<const Eigen::Vector3d> world, std::span<const BodyPoint> points,
-                  const Eigen::Vector3d& origin, double voxel_size_m, int stagger) {
+VoxelMap fill_grid(std::span<const Eigen::Vector3d> world, std::span<const BodyPoint> points,
+                   const Eigen::Vector3d& origin, double voxel_size_m, int stagger) {
   const double inverse_size = 1 / voxel_size_m, shift = 0.5 * stagger;
-  CellMap map(points.size() / 8);
+  VoxelMap map(points.size() / 8);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Eigen::Vector3d c = world[k] * inverse_size;
-    Cell& cell = map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
-                        static_cast<int>(std::floor(c.z() + shift)));
+    VoxelSums& voxel = map.at(static_cast<int>(std::floor(c.x() + shift)), static_cast<int>(std::floor(c.y() + shift)),
+                              static_cast<int>(std::floor(c.z() + shift)));
     const Eigen::Vector3d p = world[k] - origin;
-    cell.count++;
-    cell.sum += p;
+    voxel.count++;
+    voxel.sum += p;
     std::size_t product = 0;
     for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j) cell.products[product++] += p[i] * p[j];
-    cell.time_sum += points[k].time_s;
-    cell.spin_sum += static_cast<double>(points[k].spin_rate_rad_s);
+      for (int j = i; j < 3; ++j) voxel.products[product++] += p[i] * p[j];
+    voxel.time_sum += points[k].time_s;
+    voxel.spin_sum += static_cast<double>(points[k].spin_rate_rad_s);
   }
   return map;
 }
 
 // Surfels of one such grid.
-std::vector<Ranked> surfels_of(const CellMap& map, const Eigen::Vector3d& origin, const PoseTrack& track,
+std::vector<Ranked> surfels_of(const VoxelMap& map, const Eigen::Vector3d& origin, const PoseTrack& track,
                                const SurfelOptions& options, std::size_t level, int stagger) {
   std::vector<Ranked> found;
-  for (const Cell& cell : map.cells()) {
+  for (const VoxelSums& voxel : map.voxels()) {
     Surfel s;
     double tilt = 0;
-    if (!fit(cell, origin, track, options, level, s, tilt)) continue;
-    // Ground is plentiful and holds height, roll and pitch only: when there is too much, upright surfaces stay.
+    if (!fit(voxel, origin, track, options, level, s, tilt)) continue;
+    // Ground is plentiful and constrains height, roll and pitch only: where surfels are too many, upright ones stay.
     const std::uint64_t rank = (tilt > kUpright ? std::uint64_t{0} : std::uint64_t{1} << 63) |
-                               (cell_hash(cell.x, cell.y, 2 * cell.z + stagger) >> 1);
+                               (voxel_hash(voxel.x, voxel.y, 2 * voxel.z + stagger) >> 1);
     found.emplace_back(rank, s);
   }
   return found;
@@ -83,6 +84,8 @@ std::vector<Ranked> surfels_of(const CellMap& map, const Eigen::Vector3d& origin
 
 }  // namespace
 
+// Sorts the points into two staggered grids per resolution, in parallel, and makes surfels of each. What is kept and
+// its order depend on the points only.
 Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
                           const SurfelOptions& options, const PoleOptions& poles, int threads) {
   Features out;
@@ -97,9 +100,9 @@ Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector
   parallel_each(2 * levels, threads, [&](std::size_t k, int) {
     const std::size_t level = k / 2;
     const int stagger = static_cast<int>(k % 2);
-    const CellMap map = fill_grid(world, points, origin, options.voxel_size_m[level], stagger);
+    const VoxelMap map = fill_grid(world, points, origin, options.voxel_size_m[level], stagger);
     found[k] = surfels_of(map, origin, track, options, level, stagger);
-    if (level == 0) upright[k] = find_poles(map, options.voxel_size_m[0], origin, sensor, track, poles);
+    if (level == 0) upright[k] = detect_poles(map, options.voxel_size_m[0], origin, sensor, track, poles);
   });
   for (std::size_t level = 0; level < levels; ++level) {
     std::vector<Ranked>& both = found[2 * level];

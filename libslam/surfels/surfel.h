@@ -1,3 +1,4 @@
+/// Surfels and poles: how they are extracted from points, kept on disk, divided by place, and matched.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,15 +31,15 @@ struct Surfel {
   std::uint8_t level = 0;                            ///< index into SurfelOptions::voxel_size_m
 };
 
-/// What the points of one time bin show, in the order of time.
+/// Surfels and poles of one time bin, in the order of time.
 struct Features {
   std::vector<Surfel>
       surfels;                ///< at most SurfelOptions::max_surfels_per_bin of each level, even over the bin's voxels
-  std::vector<Surfel> poles;  ///< sightings of poles, see find_poles()
+  std::vector<Surfel> poles;  ///< detections of poles, see detect_poles()
 };
 
-/// Points are brought together with `track`, which must cover their times. `sensor`: where the beams start, in the IMU
-/// frame, to a decimetre.
+/// Points are put into one frame with `track`, which must cover their times. `sensor`: where the beams start, in the
+/// IMU frame, to a decimetre.
 Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
                           const SurfelOptions& options, const PoleOptions& poles, int threads = 1);
 

@@ -37,20 +37,20 @@ Result<void> SurfelFile::append(std::span<const Surfel> surfels) {
   return {};
 }
 
-Result<void> SurfelFile::for_each(const std::function<Result<void>(std::span<const Surfel>)>& visit) const {
+Result<void> SurfelFile::for_each(const std::function<Result<void>(std::span<const Surfel>)>& consume) const {
   std::vector<SurfelRecord> records;
   std::vector<Surfel> surfels;
-  const auto give = [&](std::span<const SurfelRecord> piece) {
+  const auto pass_on = [&](std::span<const SurfelRecord> piece) {
     surfels.clear();
     for (const SurfelRecord& r : piece) surfels.push_back(surfel_of(r));
-    return visit(surfels);
+    return consume(surfels);
   };
   for (const SpillFile::Extent& extent : extents_) {
     records.resize(extent.size / sizeof(SurfelRecord));
     RAYFIELD_CHECK(spill_->read(extent, std::as_writable_bytes(std::span(records))));
-    RAYFIELD_CHECK(give(records));
+    RAYFIELD_CHECK(pass_on(records));
   }
-  return give(newest_);
+  return pass_on(newest_);
 }
 
 }  // namespace rayfield::slam

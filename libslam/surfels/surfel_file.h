@@ -33,8 +33,8 @@ class SurfelFile {
   Result<void> append(std::span<const Surfel> surfels);
   std::uint64_t size() const { return size_; }
 
-  /// Calls visit() with all surfels, in order, some tens of thousands at a time.
-  Result<void> for_each(const std::function<Result<void>(std::span<const Surfel>)>& visit) const;
+  /// Calls consume() with all surfels, in order, some tens of thousands at a time.
+  Result<void> for_each(const std::function<Result<void>(std::span<const Surfel>)>& consume) const;
 
  private:
   std::unique_ptr<SpillFile> spill_;

@@ -16,7 +16,7 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kChunk = 4096;
 constexpr std::size_t kCellsPerTask = 128;
 
-// What surrounds the surfels whose matches are wanted.
+// The horizontal bounds of the surfels whose matches are wanted.
 struct Bounds {
   Eigen::Array2f low = Eigen::Array2f::Constant(-std::numeric_limits<float>::infinity()), high = -low;
   bool contain(float x, float y) const { return x >= low.x() && x <= high.x() && y >= low.y() && y <= high.y(); }
@@ -120,7 +120,7 @@ class CellIndex {
     float best = radius_m * radius_m;
     std::uint32_t found = kNone;
     for (const Row& row : rows) {
-      // A row that begins further away than the best so far has nothing to offer.
+      // A row that begins further away than the best so far holds nothing nearer.
       const float gy = gap(row.y, inside_y), gz = gap(row.z, inside_z);
       if (row.count == 0 || gy * gy + gz * gz > best) continue;
       measure(self, row.begin, row.count, scale2, distance.data());
@@ -189,6 +189,8 @@ std::vector<PlacedSurfel> place_surfels(std::span<const Surfel> surfels, const P
   return out;
 }
 
+// Finds the nearest neighbour of every surfel, in parallel by runs of grid cells, and keeps the pairs that are nearest
+// to each other.
 std::vector<SurfelMatch> mutual_matches(std::span<const PlacedSurfel> surfels, std::span<const double> voxel_size_m,
                                         const MatchQuery& query, int threads, std::span<const std::uint8_t> own) {
   const std::size_t levels = voxel_size_m.size();

@@ -11,7 +11,7 @@
 
 namespace rayfield::slam {
 
-/// A surfel where the present trajectory puts it.
+/// A surfel at the place that the present trajectory gives it.
 struct PlacedSurfel {
   Eigen::Vector3f center, normal;  ///< world, m
   float time_s;

@@ -9,11 +9,11 @@
 namespace rayfield::slam {
 namespace {
 
-constexpr int kPoseStep = 50;          // of the grid of the track: corrections bend it no faster than in a second
-constexpr double kLever_m = 30;        // from the vehicle to most surfels
-constexpr double kSpeed_m_s = 5;       // of the vehicle, at most
-constexpr std::size_t kWrite = 2048;   // records written at a time, if there is room for so many in all regions
-constexpr std::size_t kRoom = 400000;  // records that wait in all regions
+constexpr int kPoseStep = 50;                // of the grid of the track: corrections bend it no faster than in a second
+constexpr double kLever_m = 30;              // from the vehicle to most surfels
+constexpr double kSpeed_m_s = 5;             // of the vehicle, at most
+constexpr std::size_t kWrite = 2048;         // records of a region written at a time
+constexpr std::size_t kMaxWaiting = 400000;  // records that wait in all regions
 
 }  // namespace
 
@@ -38,11 +38,11 @@ bool SurfelRegions::moved_too_far(const PoseTrack& track, const SurfelOffsets& o
   if (poses_.empty()) return true;
   const double later = std::abs(offsets.sensors.lidar_s - laid_out_with_.lidar_s);
   const double turned = std::abs(offsets.sensors.spinner_rad - laid_out_with_.spinner_rad) + later * spin_rate_rad_s_;
-  const double room = options_.slack_m - turned * kLever_m - later * kSpeed_m_s;
+  const double allowed = options_.slack_m - turned * kLever_m - later * kSpeed_m_s;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     const std::size_t at = k * kPoseStep;
     const double moved = (track.position[at] - poses_[k].translation).norm();
-    if (moved + kLever_m * track.rotation[at].angularDistance(poses_[k].rotation) > room) return true;
+    if (moved + kLever_m * track.rotation[at].angularDistance(poses_[k].rotation) > allowed) return true;
   }
   return false;
 }
@@ -56,6 +56,7 @@ Result<void> SurfelRegions::flush(Region& region) {
   return {};
 }
 
+// Adds a surfel to its own region and to those within its reach.
 Result<void> SurfelRegions::put(SurfelRecord record, const Eigen::Vector3f& place) {
   const double around = 2 * (options_.reach_m[record.level] + options_.slack_m);
   const auto cell = [&](double at) { return static_cast<std::int64_t>(std::floor(at / options_.edge_m)); };
@@ -69,13 +70,13 @@ Result<void> SurfelRegions::put(SurfelRecord record, const Eigen::Vector3f& plac
       ++waiting_;
       if (region.waiting.size() >= kWrite) RAYFIELD_CHECK(flush(region));
     }
-  if (waiting_ > kRoom)
+  if (waiting_ > kMaxWaiting)
     for (auto& [key, region] : filling_) RAYFIELD_CHECK(flush(region));
   return {};
 }
 
-Result<bool> SurfelRegions::follow(const SurfelFile& file, const PoseTrack& track, const SurfelOffsets& offsets,
-                                   int threads) {
+Result<bool> SurfelRegions::update_layout(const SurfelFile& file, const PoseTrack& track, const SurfelOffsets& offsets,
+                                          int threads) {
   offsets_ = offsets, end_s_ = track.end_s();
   if (!moved_too_far(track, offsets)) return false;
   remember(track, offsets);

@@ -24,10 +24,10 @@ struct SurfelOffsets {
 /// Moves a surfel to its right time and place. Times stay within the drive, [0, end_s].
 void apply_offsets(const SurfelOffsets& offsets, double end_s, Surfel& surfel);
 
-/// How surfels are laid out.
+/// How surfels are divided into regions.
 struct RegionOptions {
   double edge_m = 32;                ///< of the square regions
-  double slack_m = 0.5;              ///< surfels may move so far before they are laid out anew
+  double slack_m = 0.5;              ///< surfels may move so far before they are assigned anew
   std::vector<double> reach_m = {};  ///< of matches, for each level
 };
 
@@ -46,9 +46,9 @@ class SurfelRegions {
   SurfelRegions(const std::filesystem::path& directory, RegionOptions options)
       : options_(std::move(options)), spill_(directory) {}
 
-  /// Lays the surfels out along `track` where that was not done, or where they have moved by more than the slack
-  /// since. Returns whether it did: regions and the indices in them are others then.
-  Result<bool> follow(const SurfelFile& file, const PoseTrack& track, const SurfelOffsets& offsets, int threads);
+  /// Assigns the surfels to regions along `track` if that was not done yet or if some have moved by more than the slack
+  /// since. Returns whether it did: regions and the indices in them are then different ones.
+  Result<bool> update_layout(const SurfelFile& file, const PoseTrack& track, const SurfelOffsets& offsets, int threads);
 
   /// Regions are ordered by place.
   std::size_t count() const { return regions_.size(); }
@@ -71,7 +71,7 @@ class SurfelRegions {
   std::map<Key, Region> filling_;
   std::size_t waiting_ = 0;
   std::vector<std::pair<Key, Region>> regions_;
-  SurfelOffsets offsets_;  // of today
+  SurfelOffsets offsets_;  // as last given
   double end_s_ = 0;
   // What the layout was made with: poses at every kPoseStep-th step of the track.
   std::vector<Rigid3> poses_;

@@ -1,128 +1,121 @@
 #include "rayfield/slam/unwarp.h"
 
-#include <fmt/core.h>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
 
-#include <algorithm>
-#include <cmath>
-
-#include "libslam/input/lidar_assembler.h"
+#include "libslam/input/read_ahead.h"
+#include "libslam/unwarp/unwarper.h"
+#include "rayfield/core/bounded_queue.h"
 
 namespace rayfield::slam {
+namespace {
 
-std::vector<std::string> UnwarpCounts::lines() const {
-  std::vector<std::string> out;
-  const auto say = [&](std::uint64_t count, std::string_view what) {
-    if (count > 0) out.push_back(fmt::format("{} {}", count, what));
-  };
-  say(invalid, "points that are NaN or closer than the lidar's minimum range dropped");
-  say(downward_no_return, "downward rays without a return dropped (their length is unknown)");
-  say(outside_trajectory, "points measured outside the trajectory dropped");
-  say(without_angle, "scans without an encoder angle dropped");
-  return out;
-}
+constexpr std::size_t kAhead = 4;  // batches that may wait for the consumer
 
-struct Unwarper::Impl {
-  Rig rig;
-  const Trajectory& trajectory;
-  LidarAssembler assembler;
-  RayTaker take;
-  std::size_t batch_rays;
-  RayBatch batch;
-  UnwarpCounts counts;
-  Result<void> state;
-  std::size_t cursor = 0;
+// A log reader pushes, a RaySource is pulled: a thread reads the log into a short queue.
+class UnwarpSource : public RaySource {
+ public:
+  UnwarpSource(LogReader read, const Rig& rig, std::shared_ptr<const Trajectory> trajectory,
+               const SensorOffsets& offsets, std::string name)
+      : read_(std::move(read)),
+        rig_(rig),
+        trajectory_(std::move(trajectory)),
+        offsets_(offsets),
+        name_(std::move(name)) {}
+  ~UnwarpSource() override { stop(); }
 
-  Impl(const Rig& r, const Trajectory& t, const SensorOffsets& offsets, RayTaker taker, std::size_t rays)
-      : rig(r),
-        trajectory(t),
-        assembler(r, r.lidar_offset_s + offsets.lidar_s, offsets.spinner_rad),
-        take(std::move(taker)),
-        batch_rays(rays) {
-    batch.reserve(rays + 4096);
-  }
-
-  void flush() {
-    if (state && !batch.empty()) state = take(batch);
+  Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
     batch.clear();
-  }
-
-  void place(const BodyScan& scan) {
-    const Eigen::Array3d stretch(trajectory.horizontal_scale, trajectory.horizontal_scale, 1);
-    for (std::size_t k = 0; k < scan.time_s.size(); ++k) {
-      Rigid3 pose;
-      if (!trajectory.at(scan.time_s[k], pose, cursor)) {
-        ++counts.outside_trajectory;
-        continue;
+    if (!queue_) start();
+    while (batch.size() < max_rays) {
+      if (next_ == front_.size()) {
+        RAYFIELD_ASSIGN(const bool more, pop());
+        if (!more) break;
       }
-      const bool hit = std::isfinite(scan.range_m[k]);
-      const Eigen::Vector3d direction = pose.rotation * scan.direction[k];
-      if (!hit && direction.z() <= 0) {
-        ++counts.downward_no_return;
-        continue;
-      }
-      const double range = hit ? static_cast<double>(scan.range_m[k]) : rig.lidar.max_range_m;
-      const Eigen::Vector3d arm = pose.rotation * scan.origin[k];
-      const Eigen::Vector3d origin = pose.translation + (stretch * arm.array()).matrix();
-      const Eigen::Vector3d end = origin + (stretch * (range * direction).array()).matrix();
-      const float intensity = std::clamp(std::isfinite(scan.intensity[k]) ? scan.intensity[k] : 0.0f, 0.0f, 65535.0f);
-      batch.push(origin, end, scan.time_s[k],
-                 hit ? static_cast<std::uint16_t>(std::lround(intensity)) : std::uint16_t{0}, hit);
-      ++counts.rays;
-      counts.hits += hit;
+      const std::size_t end = std::min(front_.size(), next_ + max_rays - batch.size());
+      for (; next_ < end; ++next_)
+        batch.push(front_.origin[next_], front_.end[next_], front_.time_s[next_], front_.intensity[next_],
+                   front_.hit[next_] != 0);
     }
-    if (batch.size() >= batch_rays) flush();
+    return batch.size();
   }
 
-  void drain(bool last) {
-    assembler.drain([this](const BodyScan& scan) { place(scan); }, last);
-    counts.invalid = assembler.counts().invalid_points;
-    counts.without_angle = assembler.counts().scans_without_angle;
+  Result<bool> rewind() override {
+    stop();
+    queue_.reset(), front_.clear();
+    next_ = 0;
+    return true;
   }
+
+  std::string name() const override { return name_; }
+
+  std::vector<std::string> warnings() const override {
+    const std::scoped_lock lock(mutex_);
+    return counts_.lines();
+  }
+
+ private:
+  void start() {
+    queue_ = std::make_unique<BoundedQueue<RayBatch>>(kAhead);
+    worker_ = std::thread([this] { queue_->end(produce()); });
+  }
+
+  void stop() {
+    if (queue_) queue_->abandon();
+    if (worker_.joinable()) worker_.join();
+  }
+
+  // The next batch into front_; false at the end of the log.
+  Result<bool> pop() {
+    std::optional<RayBatch> next = queue_->pop();
+    if (!next) {
+      RAYFIELD_CHECK(queue_->result());
+      return false;
+    }
+    front_ = std::move(*next);
+    next_ = 0;
+    return true;
+  }
+
+  // In the worker's thread.
+  Result<void> produce() try {
+    Unwarper unwarper(rig_, *trajectory_, offsets_, [this](const RayBatch& batch) -> Result<void> {
+      if (queue_->push(RayBatch(batch))) return {};
+      return fail(ErrorCode::interrupted, "stopped", name_, "the reader of the rays ended");
+    });
+    const Result<void> read = read_ahead(read_, unwarper, 2);
+    const Result<void> finished = unwarper.finish();
+    {
+      const std::scoped_lock lock(mutex_);
+      counts_ = unwarper.counts();
+    }
+    return read ? finished : read;
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::internal, "cannot unwarp", name_, e.what());
+  }
+
+  LogReader read_;
+  Rig rig_;
+  std::shared_ptr<const Trajectory> trajectory_;
+  SensorOffsets offsets_;
+  std::string name_;
+
+  std::unique_ptr<BoundedQueue<RayBatch>> queue_;  // while the log is read
+  std::thread worker_;
+  mutable std::mutex mutex_;
+  UnwarpCounts counts_;  // guarded by mutex_
+  RayBatch front_;
+  std::size_t next_ = 0;
 };
 
-Unwarper::Unwarper(const Rig& rig, const Trajectory& trajectory, const SensorOffsets& offsets, RayTaker take,
-                   std::size_t batch_rays)
-    : impl_(std::make_unique<Impl>(rig, trajectory, offsets, std::move(take), batch_rays)) {}
-Unwarper::~Unwarper() = default;
+}  // namespace
 
-void Unwarper::spinner(const SpinnerAngle& angle) {
-  if (impl_->state) impl_->assembler.add(angle);
-}
-
-void Unwarper::lidar(const LidarScan& scan) {
-  if (!impl_->state) return;
-  impl_->assembler.add(scan);
-  impl_->drain(false);
-}
-
-Result<void> Unwarper::finish() {
-  if (impl_->state) impl_->drain(true);
-  impl_->flush();
-  return impl_->state;
-}
-
-const UnwarpCounts& Unwarper::counts() const { return impl_->counts; }
-
-Grid2<std::uint32_t> plan_grid(const Trajectory& trajectory, double reach_m, double cell_m) {
-  if (trajectory.empty()) return {};
-  Eigen::Vector2d low = trajectory.poses.front().map_from_body.translation.head<2>(), high = low;
-  for (const TimedPose& p : trajectory.poses) {
-    low = low.cwiseMin(p.map_from_body.translation.head<2>());
-    high = high.cwiseMax(p.map_from_body.translation.head<2>());
-  }
-  low.array() -= reach_m, high.array() += reach_m;
-  const double cell = std::max(cell_m, (high - low).maxCoeff() / 4000);
-  return {low, cell, std::max(1, static_cast<int>((high.x() - low.x()) / cell)),
-          std::max(1, static_cast<int>((high.y() - low.y()) / cell)), 0u};
-}
-
-void add_hits(Grid2<std::uint32_t>& grid, const RayBatch& rays) {
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    if (rays.hit[k] == 0) continue;
-    const Eigen::Vector2d c = (rays.end[k].head<2>() - grid.origin) / grid.cell_m;
-    const int ix = static_cast<int>(std::floor(c.x())), iy = static_cast<int>(std::floor(c.y()));
-    if (grid.contains(ix, iy)) ++grid.at(ix, iy);
-  }
+std::unique_ptr<RaySource> open_unwarped(LogReader read, const Rig& rig, std::shared_ptr<const Trajectory> trajectory,
+                                         const SensorOffsets& offsets, std::string name) {
+  return std::make_unique<UnwarpSource>(std::move(read), rig, std::move(trajectory), offsets, std::move(name));
 }
 
 }  // namespace rayfield::slam

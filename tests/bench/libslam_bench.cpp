@@ -1,13 +1,14 @@
-// SLAM by stage on the analytic hall of the tests, and one iteration of the window's solve against Ceres with the same
-// residuals and Jacobians.
+// SLAM by stage on the synthetic scene of the tests, and one iteration of the window's solve against Ceres with the
+// same residuals and Jacobians.
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 
 #include <map>
 
-#include "libslam/pipeline/drive_input.h"
+#include "libslam/pipeline/log_odometry.h"
+#include "libslam/unwarp/unwarper.h"
 #include "rayfield/slam/slam.h"
-#include "tests/libslam/synthetic_room.h"
+#include "tests/libslam/synthetic_scene.h"
 
 namespace rayfield::slam {
 namespace {
@@ -36,7 +37,7 @@ struct Recording : SensorSink {
 const Recording& recording() {
   static const Recording instance = [] {
     Recording r;
-    testing::feed_room(r, testing::room_rig(), {});
+    testing::feed_scene(r, testing::scene_rig(), {});
     return r;
   }();
   return instance;
@@ -45,12 +46,12 @@ const Recording& recording() {
 void windowed_stage(benchmark::State& state) {
   Progress progress;
   for (auto _ : state) {
-    DriveInput input(testing::room_rig(), {}, SlamOptions(), progress);
+    LogOdometry input(testing::scene_rig(), {}, SlamOptions(), progress);
     recording().play(input);
     benchmark::DoNotOptimize(input.finish());
   }
   state.counters["real_time_factor"] =
-      benchmark::Counter(testing::RoomOptions().duration_s, benchmark::Counter::kIsIterationInvariantRate);
+      benchmark::Counter(testing::SceneOptions().duration_s, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(windowed_stage)->Unit(benchmark::kMillisecond);
 
@@ -64,18 +65,18 @@ void whole_slam(benchmark::State& state) {
           recording().play(sink);
           return {};
         },
-        testing::room_rig(), "", options, progress));
+        testing::scene_rig(), "", options, progress));
   state.counters["real_time_factor"] =
-      benchmark::Counter(testing::RoomOptions().duration_s, benchmark::Counter::kIsIterationInvariantRate);
+      benchmark::Counter(testing::SceneOptions().duration_s, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(whole_slam)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void unwarp(benchmark::State& state) {
   Trajectory truth;
-  for (int k = 0; k <= 3000; ++k) truth.poses.push_back({testing::kStart + 0.01 * k, testing::room_pose(0.01 * k, 6)});
+  for (int k = 0; k <= 3000; ++k) truth.poses.push_back({testing::kStart + 0.01 * k, testing::scene_pose(0.01 * k, 6)});
   std::size_t rays = 0;
   for (auto _ : state) {
-    Unwarper unwarper(testing::room_rig(), truth, {}, [&](const RayBatch& b) -> Result<void> {
+    Unwarper unwarper(testing::scene_rig(), truth, {}, [&](const RayBatch& b) -> Result<void> {
       rays += b.size();
       return {};
     });
@@ -98,9 +99,9 @@ struct Window {
 
   Window() {
     for (int k = 0; k <= 500; ++k) {
-      const Rigid3 p = testing::room_pose(10 + 0.01 * k, 6);
+      const Rigid3 p = testing::scene_pose(10 + 0.01 * k, 6);
       track.position.push_back(p.translation), track.rotation.push_back(p.rotation);
-      const ImuSample s = testing::room_imu(10 + 0.01 * k, {});
+      const ImuSample s = testing::scene_imu(10 + 0.01 * k, {});
       gyro.push_back(s.angular_velocity_rad_s), accel.push_back(s.linear_acceleration_m_s2);
     }
     frame.track = &track;

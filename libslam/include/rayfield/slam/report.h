@@ -7,7 +7,7 @@
 
 namespace rayfield::slam {
 
-/// Residuals of one kind at the end of the global stage.
+/// Residuals of one kind at the end of the global registration.
 struct ResidualSummary {
   std::uint64_t count = 0;
   double rms = 0;  ///< with the final robust weights
@@ -24,7 +24,7 @@ struct GpsSummary {
   double release_shift_mean_m = 0, release_shift_max_m = 0;  ///< motion of the poses when GPS was released
 };
 
-/// A stretch where lidar alone does not hold the position along `direction` (east, north, up; unit).
+/// A section where lidar alone does not determine the position along `direction` (east, north, up; unit).
 struct DegenerateSpan {
   double start_s = 0, end_s = 0;  ///< Unix time
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
@@ -50,7 +50,7 @@ struct OffsetEstimate {
   double value = 0, sigma = 0;
 };
 
-/// What a run says of itself.
+/// The report of a run. Names are those of the keys in report_json().
 struct SlamReport {
   double start_s = 0, end_s = 0;  ///< Unix time of the trajectory
   double length_m = 0;
@@ -58,23 +58,23 @@ struct SlamReport {
   bool georeferenced = false;
   std::string frame_note;  ///< how the frame came about, or why nothing is georeferenced
   double stationary_start_s = 0;
-  double initial_speed_m_s = 0;  ///< found by search where the drive did not start at rest
+  double initial_speed_m_s = 0;  ///< found by search if the drive did not begin at rest
 
   std::uint64_t lidar_scans = 0, lidar_points = 0, lidar_hits = 0, surfels = 0;
   int windows = 0;
   ResidualSummary window_surfels_m, near_surfels_m, revisit_surfels_m, poles_m, gps_m, gyro_rad_s, accel_m_s2;
   double pole_depth_m = 0;          ///< from the visible surface of posts and trunks to their axes
-  std::uint64_t loop_closures = 0;  ///< surfel matches between different visits
-  std::uint64_t linked_visits = 0;  ///< pairs of 5 s stretches, different visits, linked by at least ten of them
-  double surfel_thickness_m = 0;    ///< spread of flat surfaces seen at different visits (robust sigma); NaN: none
-  /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 1.2–1.9 in a map that
-  /// is right, more where a lane was taken for the next one.
+  std::uint64_t loop_closures = 0;  ///< surfel matches between different passes
+  std::uint64_t linked_visits = 0;  ///< pairs of 5 s sections that at least ten of them link
+  double surfel_thickness_m = 0;    ///< robust standard deviation of flat surfaces seen in different passes; NaN: none
+  /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 1.2–1.9 in a correct
+  /// map, more if a lane was taken for the next one.
   double imu_misfit = 0;
-  /// Share of surfaces seen twice within a window of the first stage that agree to three standard deviations: in the
-  /// window where it is least, and the median of all.
+  /// Share of surfaces seen twice within a window of stage a that agree to three standard deviations: in the window
+  /// where it is least, and the median of all.
   double window_inliers_least = 0, window_inliers_typical = 0;
-  /// Offsets between surfaces of different visits, 90th percentile over 20 s of driving: in the stretch where it is
-  /// largest, and the median of all stretches, m. They are alike in a map that is right; 0 where there is too little.
+  /// Offsets between surfaces of different passes, 90th percentile over 20 s of driving: in the section where it is
+  /// largest, and the median of all sections, m. They are alike in a correct map; 0 if there are too few.
   double visit_offset_worst_m = 0, visit_offset_typical_m = 0;
   GpsSummary gps;
   std::vector<DegenerateSpan> degenerate;
@@ -88,7 +88,7 @@ struct SlamReport {
 /// The report as one JSON document (docs/slam.md names its keys). NaN becomes null.
 std::string report_json(const SlamReport& report);
 
-/// A summary for people, a few lines.
+/// A summary of a few lines.
 std::string report_summary(const SlamReport& report);
 
 }  // namespace rayfield::slam
