@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "libtile/hdf5/h5_read.h"
 #include "libtile/tile_file/chunk_codec.h"
 
 namespace rayfield::tile {

@@ -2,7 +2,7 @@
 #include <hdf5.h>
 
 #include "libtile/hdf5/column_codec.h"
-#include "libtile/hdf5/h5_image.h"
+#include "libtile/hdf5/array_image.h"
 #include "libtile/tile_file/chunk_codec.h"
 #include "libtile/tile_file/tile_file.h"
 #include "rayfield/core/sha256.h"

@@ -1,19 +1,19 @@
+#include "libtile/store/garbage.h"
+
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <optional>
 #include <set>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "libtile/files/fault.h"
 #include "libtile/files/file_io.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/files/writer_lock.h"
 #include "libtile/store/snapshot_log.h"
-#include "libtile/store/store_files.h"
-#include "libtile/store/store_impl.h"
-#include "rayfield/tile/store.h"
 
 namespace rayfield::tile {
 namespace {
@@ -48,29 +48,28 @@ Result<Leftovers> find_leftovers(const fs::path& store, const std::set<std::stri
   return leftovers;
 }
 
-}  // namespace
-
-Result<std::uint64_t> Store::gc(bool dry_run) {
-  const fs::path& folder = impl_->folder;
-  // The lock first: a writer's new files are named by no snapshot yet.
-  std::optional<WriterLock> lock;
-  std::uint64_t cleared_by_lock = 0;
-  if (!dry_run) {
-    RAYFIELD_ASSIGN(const Leftovers temporary, find_leftovers(folder, {}));
-    for (const fs::path& path : temporary.files) {
-      std::error_code error;
-      if (path.parent_path() == folder / layout::kTemporary && path.extension() == ".tmp")
-        cleared_by_lock += fs::file_size(path, error);
-    }
-    RAYFIELD_ASSIGN(lock, WriterLock::take(folder));
+// Bytes of the temporary files that taking the writer's lock will remove.
+Result<std::uint64_t> temporary_bytes(const fs::path& folder) {
+  RAYFIELD_ASSIGN(const Leftovers temporary, find_leftovers(folder, {}));
+  std::uint64_t bytes = 0;
+  for (const fs::path& path : temporary.files) {
+    std::error_code error;
+    if (path.parent_path() == folder / layout::kTemporary && path.extension() == ".tmp")
+      bytes += fs::file_size(path, error);
   }
-  RAYFIELD_ASSIGN(const std::vector<Snapshot> snapshots, history());
+  return bytes;
+}
+
+Result<std::set<std::string>> named_files(const fs::path& folder) {
+  RAYFIELD_ASSIGN(const std::vector<Snapshot> snapshots, all_snapshots(folder));
   std::set<std::string> named;
   for (const Snapshot& snapshot : snapshots) {
-    for (const FileEntry* file : files_of(snapshot)) named.insert(file->path);
+    for (const FileEntry* file : snapshot.files()) named.insert(file->path);
   }
-  RAYFIELD_ASSIGN(const Leftovers leftovers, find_leftovers(folder, named));
-  if (dry_run) return leftovers.bytes;
+  return named;
+}
+
+Result<void> remove(const Leftovers& leftovers) {
   for (const fs::path& path : leftovers.files) {
     if (const int error = fault::point("unlink")) return fail_io(error, "cannot remove file", path);
     if (::unlink(path.c_str()) != 0 && errno != ENOENT) return fail_io(errno, "cannot remove file", path);
@@ -80,6 +79,23 @@ Result<std::uint64_t> Store::gc(bool dry_run) {
     if (::rmdir(it->c_str()) != 0 && errno != ENOTEMPTY && errno != EEXIST && errno != ENOENT)
       return fail_io(errno, "cannot remove folder", *it);
   }
+  return {};
+}
+
+}  // namespace
+
+Result<std::uint64_t> collect_garbage(const fs::path& folder, bool dry_run) {
+  // The lock first: a writer's new files are named by no snapshot yet.
+  std::optional<WriterLock> lock;
+  std::uint64_t cleared_by_lock = 0;
+  if (!dry_run) {
+    RAYFIELD_ASSIGN(cleared_by_lock, temporary_bytes(folder));
+    RAYFIELD_ASSIGN(lock, WriterLock::take(folder));
+  }
+  RAYFIELD_ASSIGN(const std::set<std::string> named, named_files(folder));
+  RAYFIELD_ASSIGN(const Leftovers leftovers, find_leftovers(folder, named));
+  if (dry_run) return leftovers.bytes;
+  RAYFIELD_CHECK(remove(leftovers));
   return leftovers.bytes + cleared_by_lock;
 }
 

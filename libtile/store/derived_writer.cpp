@@ -1,3 +1,5 @@
+#include "rayfield/tile/derived_writer.h"
+
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -8,11 +10,11 @@
 #include "libtile/files/file_io.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/files/writer_lock.h"
-#include "libtile/hdf5/h5_image.h"
+#include "libtile/hdf5/array_image.h"
+#include "libtile/hdf5/seal.h"
+#include "libtile/store/open_store.h"
 #include "libtile/store/snapshot_log.h"
-#include "libtile/store/store_impl.h"
 #include "rayfield/core/sha256.h"
-#include "rayfield/tile/store.h"
 
 namespace rayfield::tile {
 namespace {
@@ -44,11 +46,11 @@ Result<void> check_names(const NewDerived& what) {
 
 }  // namespace
 
-struct Store::DerivedWriter::Impl {
-  Impl(std::shared_ptr<Store::Impl> owner, WriterLock writer_lock, Snapshot snapshot)
+struct DerivedWriter::Impl {
+  Impl(std::shared_ptr<const OpenStore> owner, WriterLock writer_lock, Snapshot snapshot)
       : store(std::move(owner)), lock(std::move(writer_lock)), base(std::move(snapshot)), writer(store->folder) {}
 
-  std::shared_ptr<Store::Impl> store;
+  std::shared_ptr<const OpenStore> store;
   WriterLock lock;
   Snapshot base;
   DurableWriter writer;
@@ -93,27 +95,27 @@ struct Store::DerivedWriter::Impl {
   }
 };
 
-Result<Store::DerivedWriter> Store::write_derived() {
-  RAYFIELD_ASSIGN(WriterLock lock, WriterLock::take(impl_->folder));
-  RAYFIELD_ASSIGN(Snapshot snapshot, latest());
+Result<DerivedWriter> DerivedWriter::open(std::shared_ptr<const OpenStore> store) {
+  RAYFIELD_ASSIGN(WriterLock lock, WriterLock::take(store->folder));
+  RAYFIELD_ASSIGN(Snapshot snapshot, latest_snapshot(store->folder));
   DerivedWriter writer;
-  writer.impl_ = std::make_shared<DerivedWriter::Impl>(impl_, std::move(lock), std::move(snapshot));
+  writer.impl_ = std::make_shared<Impl>(std::move(store), std::move(lock), std::move(snapshot));
   return writer;
 }
 
-std::optional<DerivedEntry> Store::DerivedWriter::find(const NewDerived& what) const {
+std::optional<DerivedEntry> DerivedWriter::find(const NewDerived& what) const {
   if (!check_names(what)) return std::nullopt;
   if (const std::vector<DerivedEntry>* entries = impl_->published(what.scan_id)) {
     for (const DerivedEntry& entry : *entries) {
       if (entry.kind == what.kind && entry.name == what.name && entry.key == what.key &&
-          impl_->store->check_file(entry.file))
+          impl_->store->files.check(entry.file))
         return entry;
     }
   }
   return impl_->find_unpublished(what);
 }
 
-Result<DerivedEntry> Store::DerivedWriter::put(const NewDerived& what, const ArraySet& arrays) {
+Result<DerivedEntry> DerivedWriter::put(const NewDerived& what, const ArraySet& arrays) {
   RAYFIELD_CHECK(check_names(what));
   if (arrays.kind != what.kind)
     return fail(ErrorCode::internal, "cannot store derived data", what.kind + "/" + what.name,
@@ -127,7 +129,7 @@ Result<DerivedEntry> Store::DerivedWriter::put(const NewDerived& what, const Arr
   return DerivedEntry{what.kind, what.name, what.key, std::move(file)};
 }
 
-Result<void> Store::DerivedWriter::set(const std::string& scan_id, std::vector<DerivedEntry> keep) {
+Result<void> DerivedWriter::set(const std::string& scan_id, std::vector<DerivedEntry> keep) {
   if (impl_->published(scan_id) == nullptr)
     return fail(ErrorCode::usage, "cannot store derived data", impl_->store->folder.string(),
                 "the store holds no scan '" + scan_id + "'");
@@ -145,7 +147,7 @@ Result<void> Store::DerivedWriter::set(const std::string& scan_id, std::vector<D
   return {};
 }
 
-Result<Snapshot> Store::DerivedWriter::commit(const std::string& command) {
+Result<Snapshot> DerivedWriter::commit(const std::string& command) {
   RAYFIELD_CHECK(impl_->writer.sync_directories());
   const std::lock_guard guard(impl_->mutex);
   const auto change = [&](const Snapshot& latest) -> Result<std::optional<Snapshot>> {

@@ -1,10 +1,11 @@
-#include "rayfield/tile/arrays.h"
+#include "libtile/hdf5/array_image.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "libtile/hdf5/column_codec.h"
-#include "libtile/hdf5/h5_image.h"
+#include "libtile/hdf5/h5_read.h"
+#include "libtile/hdf5/h5_write.h"
 
 namespace rayfield::tile {
 namespace {

@@ -1,16 +1,17 @@
+#include "libtile/store/add_scan.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "libtile/files/durable_writer.h"
+#include "libtile/files/file_io.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/files/writer_lock.h"
 #include "libtile/partition/partition.h"
 #include "libtile/store/snapshot_log.h"
-#include "libtile/store/store_impl.h"
 #include "rayfield/core/date.h"
 #include "rayfield/core/parallel.h"
-#include "rayfield/tile/store.h"
 
 namespace rayfield::tile {
 namespace {
@@ -121,25 +122,26 @@ Result<AddReport> already_there(const std::filesystem::path& store, const Snapsh
 
 }  // namespace
 
-Result<std::optional<AddReport>> Store::find_added(const AddOptions& options) const {
+Result<std::optional<AddReport>> find_added_scan(const std::filesystem::path& store, const AddOptions& options) {
   RAYFIELD_ASSIGN(const std::string scan_id, layout::scan_id(options.date, options.name));
-  RAYFIELD_ASSIGN(const Snapshot snapshot, latest());
+  RAYFIELD_ASSIGN(const Snapshot snapshot, latest_snapshot(store));
   const Standing standing = standing_of(snapshot, scan_id, options);
   if (standing == Standing::absent || options.overwrite) return std::nullopt;
-  if (standing == Standing::other) return date_taken(impl_->folder, scan_id);
-  RAYFIELD_ASSIGN(AddReport report, already_there(impl_->folder, snapshot, scan_id));
+  if (standing == Standing::other) return date_taken(store, scan_id);
+  RAYFIELD_ASSIGN(AddReport report, already_there(store, snapshot, scan_id));
   return std::optional<AddReport>(std::move(report));
 }
 
-Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progress& progress) {
-  const std::filesystem::path& store = impl_->folder;
+Result<AddReport> add_scan(const OpenStore& open_store, RaySource& rays, const AddOptions& options,
+                           Progress& progress) {
+  const std::filesystem::path& store = open_store.folder;
   RAYFIELD_ASSIGN(const std::string scan_id, layout::scan_id(options.date, options.name));
   if (options.memory_bytes < PartitionOptions::kLeastMemory)
     return fail(ErrorCode::usage, "cannot add the scan", "memory",
                 fmt::format("{} MB are too few", options.memory_bytes >> 20U),
                 fmt::format("give at least {} MB", PartitionOptions::kLeastMemory >> 20U));
   RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(store));
-  RAYFIELD_ASSIGN(const Snapshot before, latest());
+  RAYFIELD_ASSIGN(const Snapshot before, latest_snapshot(store));
   const Standing standing = standing_of(before, scan_id, options);
   if (standing == Standing::same && !options.overwrite) return already_there(store, before, scan_id);
   if (standing == Standing::other && !options.overwrite) return date_taken(store, scan_id);
@@ -152,7 +154,7 @@ Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progres
     return writer.write(bytes, layout::rays_directory(scan_id),
                         [&](const std::string& sha256) { return layout::tile_file_name(index, sha256); });
   };
-  const auto partitioned = partition(rays, TileGrid(impl_->config), partition_options, spill, write_file, progress);
+  const auto partitioned = partition(rays, TileGrid(open_store.config), partition_options, spill, write_file, progress);
   if (!partitioned) {
     writer.discard_new_files();
     return tl::make_unexpected(partitioned.error());
