@@ -1,5 +1,7 @@
 #pragma once
 
+/// partition/: cuts a stream of rays into tile files with bounded memory.
+
 #include <vector>
 
 #include "libtile/partition/clip_batch.h"

@@ -1,5 +1,7 @@
 #pragma once
 
+/// store/: the store itself: snapshots, adding scans, reading, derived files, verify and garbage.
+
 #include <filesystem>
 
 #include "libtile/store/checked_files.h"

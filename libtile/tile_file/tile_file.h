@@ -1,5 +1,7 @@
 #pragma once
 
+/// tile_file/: the content of a tile file: rays clipped to a tile, in integers, as compressed columns.
+
 #include <filesystem>
 #include <vector>
 

@@ -244,5 +244,25 @@ TEST_F(Add, ADriveTakesAtMostTwentyBytesPerRay) {
   EXPECT_LE(static_cast<double>(report->bytes_written) / static_cast<double>(report->ray_count), 20.0);
 }
 
+TEST(AddScan, AScanThatCannotFitIsRefusedBeforeAnyWork) {
+  ScratchFolder folder;
+  Store store = make_store(folder.path() / "block");
+  class Huge : public MemorySource {
+   public:
+    Huge() : MemorySource(simulated_drive(10)) {}
+    std::optional<std::uint64_t> ray_count() const override { return std::uint64_t{1} << 60U; }
+    Result<std::size_t> read(RayBatch& batch, std::size_t most) override {
+      was_read = true;
+      return MemorySource::read(batch, most);
+    }
+    bool was_read = false;
+  } huge;
+  Progress progress;
+  const auto report = store.add(huge, add_options(), progress);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::resources);
+  EXPECT_FALSE(huge.was_read);
+}
+
 }  // namespace
 }  // namespace rayfield::tile::testing

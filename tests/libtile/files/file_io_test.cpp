@@ -35,7 +35,7 @@ class SmallDisk {
   bool mounted_ = false;
 };
 
-TEST(Resources, AFullDiskLosesNothingAndTheSameCommandSucceedsWithMoreRoom) {
+TEST(FileIo, AFullDiskLosesNothingAndTheSameCommandSucceedsWithMoreRoom) {
   ScratchFolder folder;
   const SmallDisk disk(folder.path() / "disk", "size=1m");
   if (!disk.mounted()) GTEST_SKIP() << "no right to mount a small disk here";
@@ -60,7 +60,7 @@ TEST(Resources, AFullDiskLosesNothingAndTheSameCommandSucceedsWithMoreRoom) {
   EXPECT_TRUE(damage_of(store).empty());
 }
 
-TEST(Resources, AReadOnlyDiskCanBeReadAndRefusesWritersClearly) {
+TEST(FileIo, AReadOnlyDiskCanBeReadAndRefusesWritersClearly) {
   ScratchFolder folder;
   const SmallDisk disk(folder.path() / "disk", "size=8m");
   if (!disk.mounted()) GTEST_SKIP() << "no right to mount a small disk here";
@@ -79,7 +79,7 @@ TEST(Resources, AReadOnlyDiskCanBeReadAndRefusesWritersClearly) {
   }
 }
 
-TEST(Resources, AFolderWithoutPermissionRefusesWritersClearly) {
+TEST(FileIo, AFolderWithoutPermissionRefusesWritersClearly) {
   ScratchFolder folder;
   {
     Store store = make_store(folder.path() / "block");
@@ -112,26 +112,6 @@ TEST(Resources, AFolderWithoutPermissionRefusesWritersClearly) {
   fs::permissions(folder.path() / "block", fs::perms::owner_write, fs::perm_options::add);
   if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "cannot become another user here";
   EXPECT_EQ(WEXITSTATUS(status), 0);
-}
-
-TEST(Resources, AScanThatCannotFitIsRefusedBeforeAnyWork) {
-  ScratchFolder folder;
-  Store store = make_store(folder.path() / "block");
-  class Huge : public MemorySource {
-   public:
-    Huge() : MemorySource(simulated_drive(10)) {}
-    std::optional<std::uint64_t> ray_count() const override { return std::uint64_t{1} << 60U; }
-    Result<std::size_t> read(RayBatch& batch, std::size_t most) override {
-      was_read = true;
-      return MemorySource::read(batch, most);
-    }
-    bool was_read = false;
-  } huge;
-  Progress progress;
-  const auto report = store.add(huge, add_options(), progress);
-  ASSERT_FALSE(report);
-  EXPECT_EQ(report.error().code, ErrorCode::resources);
-  EXPECT_FALSE(huge.was_read);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "libtile/hdf5/array_image.h"
 #include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {
