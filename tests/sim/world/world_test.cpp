@@ -4,6 +4,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "sim/site/random.h"
+#include "sim/world/terrain.h"
 #include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
@@ -58,7 +60,7 @@ TEST(World, PostsAloneHaveTheAreaOfTheirCylindersSplitBetweenPanels) {
     ASSERT_EQ(row.panels.wood_m2.size(), 2U);
     for (const double panel : row.panels.wood_m2) EXPECT_NEAR(panel, strainer + 0.5 * line, 1e-4);
     EXPECT_NEAR(row.metres.wood_m2.front(), strainer, 1e-4);
-    EXPECT_NEAR(row.metres.wood_m2[12], 0.5 * line, 1e-4);  // the post stands at 6.5 m, between stretches 12 and 13
+    EXPECT_NEAR(row.metres.wood_m2[12], 0.5 * line, 1e-4);  // the post stands at 6.5 m, between intervals 12 and 13
     EXPECT_NEAR(row.metres.wood_m2[13], 0.5 * line, 1e-4);
     EXPECT_EQ(row.metres.wood_m2[5], 0);
   }

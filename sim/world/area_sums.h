@@ -2,22 +2,22 @@
 
 #include <vector>
 
-#include "rayfield/sim/terrain.h"
 #include "rayfield/sim/world.h"
+#include "sim/world/terrain.h"
 #include "sim/world/triangle_mesh.h"
 
 namespace rayfield::sim {
 
 /// Lowest height over the local ground at which wood counts, m (the bottom of the density voxels).
 inline constexpr double kWoodFromHeight = 0.3;
-/// Length of a stretch of StretchAreas `metres`, m.
+/// Length of an interval of RowAreas::metres, m.
 inline constexpr double kMetreStep = 0.5;
 
 /// Adds up the areas of triangles by their place along the row. Triangles that straddle an edge are cut there, so that
-/// every stretch gets exactly what lies in it; what lies beyond a row end counts for its last stretch.
-class AreaLedger {
+/// every interval gets exactly what lies in it; what lies beyond a row end counts for its last interval.
+class AreaSums {
  public:
-  AreaLedger(const Site& site, const BlockGeometry& block, const Terrain& terrain);
+  AreaSums(const Site& site, const BlockGeometry& block, const Terrain& terrain);
   /// One-sided area of leaves: triangles [first, last) of `mesh`.
   void add_leaves(int row, const TriangleMesh& mesh, std::size_t first, std::size_t last);
   /// Half the area of closed surfaces, where higher than kWoodFromHeight over the ground.

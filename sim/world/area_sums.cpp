@@ -1,4 +1,4 @@
-#include "sim/world/area_ledger.h"
+#include "sim/world/area_sums.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -36,16 +36,16 @@ Polygon clip(const Polygon& polygon, double Corner::*value, double limit, double
   return kept;
 }
 
-// Adds the polygon's area to the stretches between `edges`.
+// Adds the polygon's area to the intervals between `edges`.
 void distribute(const Polygon& polygon, double factor, const std::vector<double>& edges, std::vector<double>& sums) {
   if (polygon.size() < 3) return;
   const auto [low, high] = std::minmax_element(
       polygon.begin(), polygon.end(), [](const Corner& a, const Corner& b) { return a.chainage < b.chainage; });
-  const auto stretch = [&](double chainage) {
+  const auto interval = [&](double chainage) {
     const auto inner = std::upper_bound(edges.begin() + 1, edges.end() - 1, chainage);
     return static_cast<std::size_t>(inner - edges.begin() - 1);
   };
-  const std::size_t first = stretch(low->chainage), last = stretch(high->chainage);
+  const std::size_t first = interval(low->chainage), last = interval(high->chainage);
   Polygon rest = polygon;
   for (std::size_t i = first; i < last; ++i) {
     sums[i] += factor * area(clip(rest, &Corner::chainage, edges[i + 1], -1));
@@ -54,14 +54,14 @@ void distribute(const Polygon& polygon, double factor, const std::vector<double>
   sums[last] += factor * area(rest);
 }
 
-StretchAreas make_stretches(double length, double step) {
-  StretchAreas stretches;
+IntervalAreas make_intervals(double length, double step) {
+  IntervalAreas intervals;
   const int count = std::max(1, static_cast<int>(std::ceil(length / step - 1e-6)));
-  for (int i = 0; i < count; ++i) stretches.edges_m.push_back(i * step);
-  stretches.edges_m.push_back(length);
-  stretches.leaf_m2.assign(static_cast<std::size_t>(count), 0.0);
-  stretches.wood_m2 = stretches.leaf_m2;
-  return stretches;
+  for (int i = 0; i < count; ++i) intervals.edges_m.push_back(i * step);
+  intervals.edges_m.push_back(length);
+  intervals.leaf_m2.assign(static_cast<std::size_t>(count), 0.0);
+  intervals.wood_m2 = intervals.leaf_m2;
+  return intervals;
 }
 
 Polygon triangle_in_row(const BlockGeometry& block, int row, const TriangleMesh& mesh, std::size_t index) {
@@ -75,15 +75,15 @@ Polygon triangle_in_row(const BlockGeometry& block, int row, const TriangleMesh&
 
 }  // namespace
 
-AreaLedger::AreaLedger(const Site& site, const BlockGeometry& block, const Terrain& terrain)
+AreaSums::AreaSums(const Site& site, const BlockGeometry& block, const Terrain& terrain)
     : block_(block), terrain_(terrain) {
   RowAreas row;
-  row.panels = make_stretches(site.rows.length_m, site.rows.panel_length_m);
-  row.metres = make_stretches(site.rows.length_m, kMetreStep);
+  row.panels = make_intervals(site.rows.length_m, site.rows.panel_length_m);
+  row.metres = make_intervals(site.rows.length_m, kMetreStep);
   rows_.assign(static_cast<std::size_t>(site.rows.count), row);
 }
 
-void AreaLedger::add_leaves(int row, const TriangleMesh& mesh, std::size_t first, std::size_t last) {
+void AreaSums::add_leaves(int row, const TriangleMesh& mesh, std::size_t first, std::size_t last) {
   RowAreas& sums = rows_[static_cast<std::size_t>(row)];
   for (std::size_t i = first; i < last; ++i) {
     const Polygon polygon = triangle_in_row(block_, row, mesh, i);
@@ -92,7 +92,7 @@ void AreaLedger::add_leaves(int row, const TriangleMesh& mesh, std::size_t first
   }
 }
 
-void AreaLedger::add_wood(int row, const TriangleMesh& mesh, std::size_t first, std::size_t last) {
+void AreaSums::add_wood(int row, const TriangleMesh& mesh, std::size_t first, std::size_t last) {
   RowAreas& sums = rows_[static_cast<std::size_t>(row)];
   for (std::size_t i = first; i < last; ++i) {
     Polygon polygon = triangle_in_row(block_, row, mesh, i);

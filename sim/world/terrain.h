@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "rayfield/sim/block_geometry.h"
+#include "sim/world/block_geometry.h"
 
 namespace rayfield::sim {
 

@@ -1,4 +1,4 @@
-#include "rayfield/sim/trajectory.h"
+#include "sim/drive/true_trajectory.h"
 
 #include <cmath>
 
@@ -23,12 +23,12 @@ Eigen::Vector3d Motion::specific_force() const {
   return enu_from_imu.rotation.conjugate() * (acceleration + Eigen::Vector3d(0, 0, kGravity));
 }
 
-Trajectory::PoseMatrix Trajectory::pose(double t) const {
+TrueTrajectory::PoseMatrix TrueTrajectory::pose(double t) const {
   const auto x = spline_.value(t);
   return {rotation_from_angles(x[3], x[4], x[5]), x.head<3>()};
 }
 
-Motion Trajectory::motion(double t) const {
+Motion TrueTrajectory::motion(double t) const {
   const auto x = spline_.evaluate(t);
   const double pitch = x.value[4], roll = x.value[5];
   const double yaw_rate = x.first[3], pitch_rate = x.first[4], roll_rate = x.first[5];

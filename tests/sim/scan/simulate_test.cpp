@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
+#include "sim/drive/true_trajectory.h"
+#include "sim/world/terrain.h"
 #include "tests/sim/recorded_drive.h"
 
 namespace rayfield::sim {
@@ -28,7 +30,7 @@ RayBatch rays_from_messages(const RecordedDrive& record, const Site& site) {
         spun.rotation = Eigen::AngleAxisd(angle, rig.spinner->axis);
       }
       const Rigid3 enu_from_lidar =
-          record.drive.trajectory.motion(t).enu_from_imu * rig.imu_from_spinner * spun * rig.spinner_from_lidar;
+          record.drive.trajectory->motion(t).enu_from_imu * rig.imu_from_spinner * spun * rig.spinner_from_lidar;
       const Eigen::Vector3d direction = enu_from_lidar.rotation * scan.direction[i].cast<double>();
       const double range = static_cast<double>(scan.range_m[i]);
       const bool hit = std::isfinite(range);
@@ -41,7 +43,7 @@ RayBatch rays_from_messages(const RecordedDrive& record, const Site& site) {
   return rays;
 }
 
-TEST(Scan, RaysAreTheMessagesPlacedWithTheTruePoses) {
+TEST(Simulate, RaysAreTheMessagesPlacedWithTheTruePoses) {
   Site site = small_site();
   site.spinning.encoder_noise_rad = 0;  // the rays know the true angle
   const RecordedDrive record(site);
@@ -60,7 +62,7 @@ TEST(Scan, RaysAreTheMessagesPlacedWithTheTruePoses) {
   EXPECT_EQ(found, expected.size());
 }
 
-TEST(Scan, ShotsWithoutAReturnBecomeUpwardRaysOfMaximumRange) {
+TEST(Simulate, ShotsWithoutAReturnBecomeUpwardRaysOfMaximumRange) {
   const RecordedDrive record(small_site());
   const double scale = take(MapFrame::create("EPSG:7854")).scale_factor(record.rays.origin[0]);
   std::uint64_t misses = 0;
@@ -81,7 +83,7 @@ TEST(Scan, ShotsWithoutAReturnBecomeUpwardRaysOfMaximumRange) {
   EXPECT_EQ(record.summary.beams, record.summary.hits + record.summary.no_returns + record.summary.dropped);
 }
 
-TEST(Scan, RangesAreAsNoisyAsStatedAndDropOutsAsFrequent) {
+TEST(Simulate, RangesAreAsNoisyAsStatedAndDropOutsAsFrequent) {
   Site site = small_site();
   site.lidar.range_noise_m = site.lidar.dropout_fraction = 0;
   const RecordedDrive exact(site);
@@ -107,7 +109,7 @@ TEST(Scan, RangesAreAsNoisyAsStatedAndDropOutsAsFrequent) {
   EXPECT_NEAR(dropped / (hits + dropped), 0.01, 5 * std::sqrt(0.0099 / (hits + dropped)));
 }
 
-TEST(Scan, NoExactReturnLiesUnderTheTrueGround) {
+TEST(Simulate, NoExactReturnLiesUnderTheTrueGround) {
   const Site site = without_errors(small_site());
   const RecordedDrive record(site);
   const MapFrame frame = take(MapFrame::create(site.crs_code()));
@@ -123,7 +125,7 @@ TEST(Scan, NoExactReturnLiesUnderTheTrueGround) {
   EXPECT_GT(ground, 1000);
 }
 
-TEST(Scan, OutputDoesNotDependOnTheNumberOfThreads) {
+TEST(Simulate, OutputDoesNotDependOnTheNumberOfThreads) {
   const RecordedDrive one(small_site(), {.rays = true, .threads = 1}), four(small_site(), {.rays = true, .threads = 4});
   ASSERT_EQ(one.rays.size(), four.rays.size());
   EXPECT_EQ(one.rays.end, four.rays.end);
@@ -133,20 +135,7 @@ TEST(Scan, OutputDoesNotDependOnTheNumberOfThreads) {
   for (std::size_t k = 0; k < one.scans.size(); ++k) EXPECT_EQ(one.scans[k].intensity, four.scans[k].intensity);
 }
 
-TEST(Scan, TrueRaysStreamTheSameRaysAndCanBeRewound) {
-  const RecordedDrive record(small_site());
-  const auto source = take(true_rays(record.world, record.drive, {2}));
-  for (int pass = 0; pass < 2; ++pass) {
-    RayBatch batch;
-    std::size_t at = 0;
-    while (take(source->read(batch, 10007)) > 0)
-      for (std::size_t i = 0; i < batch.size(); ++i, ++at) ASSERT_EQ(batch.end[i], record.rays.end[at]);
-    EXPECT_EQ(at, record.rays.size());
-    EXPECT_TRUE(take(source->rewind()));
-  }
-}
-
-TEST(Scan, MultiBeamMessagesHoldOneRevolutionWithTimesPerPoint) {
+TEST(Simulate, MultiBeamMessagesHoldOneRevolutionWithTimesPerPoint) {
   Site site = without_errors(small_site());
   site.lidar.kind = LidarKind::multi_beam;
   site.dates[0].lanes = {1};
@@ -165,7 +154,7 @@ TEST(Scan, MultiBeamMessagesHoldOneRevolutionWithTimesPerPoint) {
 
 // A beam of 11.5 mrad is at least 8 mm wide where the wires hang; a ray meets 3 mm of wire, the beam all of its width
 // more.
-TEST(Scan, AWideBeamMeetsMoreWireThanANarrowOne) {
+TEST(Simulate, AWideBeamMeetsMoreWireThanANarrowOne) {
   Site site = without_errors(bare_site());
   site.structure.wire_heights_m = {2.6, 2.9};  // over the lidar: nothing else is up there
   const auto upward_hits = [&](double divergence) {
@@ -184,7 +173,7 @@ TEST(Scan, AWideBeamMeetsMoreWireThanANarrowOne) {
   EXPECT_GT(wide, 3 * narrow);
 }
 
-TEST(Scan, AFailingReceiverStopsTheSimulationWithItsError) {
+TEST(Simulate, AFailingReceiverStopsTheSimulationWithItsError) {
   const World world = make_world(small_site());
   const Drive drive = take(plan_drive(world));
   SensorSink sink;
@@ -195,6 +184,21 @@ TEST(Scan, AFailingReceiverStopsTheSimulationWithItsError) {
       progress);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resources);
+}
+
+TEST(Simulate, TheRigDescribesTheSensors) {
+  Site site = small_site_without_lidar();
+  const Rig spinning = site_rig(site);
+  EXPECT_TRUE(spinning.spinner);
+  EXPECT_EQ(spinning.lidar.max_range_m, site.lidar.max_range_m);
+  site.lidar.kind = LidarKind::multi_beam;
+  site.gps.enabled = false;
+  const Rig fixed = site_rig(site);
+  EXPECT_FALSE(fixed.spinner);
+  EXPECT_FALSE(fixed.gps);
+  EXPECT_EQ(fixed.imu_from_spinner.translation, Eigen::Vector3d::Zero());
+  EXPECT_EQ(fixed.spinner_from_lidar.translation, site.mount.imu_from_lidar.translation);
+  EXPECT_TRUE(RecordedDrive(site, {.rays = false}).fixes.empty());
 }
 
 }  // namespace

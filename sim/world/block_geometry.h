@@ -12,7 +12,7 @@ namespace rayfield::sim {
 /// centreline; `along` is the distance on that arc from mid-length, chainage the distance from the row's start.
 class BlockGeometry {
  public:
-  explicit BlockGeometry(const RowOptions& rows);
+  explicit BlockGeometry(const SiteRows& rows);
 
   int row_count() const { return rows_.count; }
   double row_length() const { return rows_.length_m; }
@@ -48,7 +48,7 @@ class BlockGeometry {
   Eigen::Vector2d half_extent() const { return half_extent_; }
 
  private:
-  RowOptions rows_;
+  SiteRows rows_;
   double sin_azimuth_, cos_azimuth_;
   double curvature_;  ///< 1 / radius, 0 for straight rows
   Eigen::Vector2d half_extent_;

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "rayfield/core/rigid3.h"
-#include "rayfield/sim/uniform_spline.h"
+#include "sim/drive/uniform_spline.h"
 
 namespace rayfield::sim {
 
@@ -22,14 +22,14 @@ struct Motion {
 
 /// The true path of the IMU as smooth functions of time (quintic splines of position and of yaw, pitch, roll), so that
 /// poses, angular velocities and accelerations agree to rounding.
-class Trajectory {
+class TrueTrajectory {
  public:
   /// East, north, up (m), yaw (continuous, anticlockwise from east), pitch (nose down positive), roll (left up
   /// positive).
   using Spline = UniformSpline<6>;
 
-  Trajectory() = default;
-  explicit Trajectory(Spline spline) : spline_(std::move(spline)) {}
+  TrueTrajectory() = default;
+  explicit TrueTrajectory(Spline spline) : spline_(std::move(spline)) {}
 
   /// Seconds from the start of the log.
   double duration() const { return spline_.end(); }

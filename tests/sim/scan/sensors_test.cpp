@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
+#include "sim/drive/true_trajectory.h"
 #include "tests/sim/recorded_drive.h"
 
 namespace rayfield::sim {
@@ -37,7 +38,7 @@ TEST(Sensors, NoiseFreeImuReadsTheTrajectory) {
   const RecordedDrive record(without_errors(small_site_without_lidar()));
   for (std::size_t i = 0; i < record.imu_samples.size(); i += 37) {
     const ImuSample& sample = record.imu_samples[i];
-    const Motion motion = record.drive.trajectory.motion(static_cast<double>(i) / 100);
+    const Motion motion = record.drive.trajectory->motion(static_cast<double>(i) / 100);
     EXPECT_EQ(sample.angular_velocity_rad_s, motion.angular_velocity);
     EXPECT_EQ(sample.linear_acceleration_m_s2, motion.specific_force());
   }
@@ -51,7 +52,7 @@ TEST(Sensors, ImuNoiseHasTheStatedDensity) {
   const RecordedDrive record(site);
   double gyro = 0, accel = 0;
   for (std::size_t i = 0; i < record.imu_samples.size(); ++i) {
-    const Motion motion = record.drive.trajectory.motion(static_cast<double>(i) / 100);
+    const Motion motion = record.drive.trajectory->motion(static_cast<double>(i) / 100);
     gyro += (record.imu_samples[i].angular_velocity_rad_s - motion.angular_velocity).squaredNorm();
     accel += (record.imu_samples[i].linear_acceleration_m_s2 - motion.specific_force()).squaredNorm();
   }
@@ -67,7 +68,7 @@ TEST(Sensors, NoiseFreeGpsIsTheAntenna) {
   const TangentPlane plane({site.latitude_deg, site.longitude_deg, site.height_m});
   for (const GpsFix& fix : record.fixes) {
     const Eigen::Vector3d p = plane.enu_from_geodetic({fix.latitude_deg, fix.longitude_deg, fix.height_m});
-    const Rigid3 pose = record.drive.trajectory.motion(fix.time_s - record.drive.start_time_s).enu_from_imu;
+    const Rigid3 pose = record.drive.trajectory->motion(fix.time_s - record.drive.start_time_s).enu_from_imu;
     EXPECT_NEAR((p - pose * site.mount.imu_from_gps_m).norm(), 0, 1e-4);  // stamps resolve 0.2 µs
   }
 }
@@ -83,7 +84,7 @@ TEST(Sensors, GpsJumpsAndIsSilentDuringOutages) {
     const double t = fix.time_s - record.drive.start_time_s;
     EXPECT_FALSE(t > 5.01 && t < 14.99);
     const Eigen::Vector3d p = plane.enu_from_geodetic({fix.latitude_deg, fix.longitude_deg, fix.height_m});
-    const Eigen::Vector3d antenna = record.drive.trajectory.motion(t).enu_from_imu * site.mount.imu_from_gps_m;
+    const Eigen::Vector3d antenna = record.drive.trajectory->motion(t).enu_from_imu * site.mount.imu_from_gps_m;
     const bool inside = t > 19.99 && t < 23.99;
     EXPECT_NEAR((p - antenna - (inside ? Eigen::Vector3d(5, 0, -1) : Eigen::Vector3d::Zero())).norm(), 0, 1e-4);
     jumped += inside ? 1 : 0;
@@ -105,7 +106,7 @@ TEST(Sensors, GpsBiasIsAGaussMarkovProcessOfItsStatedSize) {
     for (std::size_t i = 0; i < record.fixes.size(); ++i) {
       const GpsFix& fix = record.fixes[i];
       const Eigen::Vector3d antenna =
-          record.drive.trajectory.motion(0.1 * static_cast<double>(i)).enu_from_imu * site.mount.imu_from_gps_m;
+          record.drive.trajectory->motion(0.1 * static_cast<double>(i)).enu_from_imu * site.mount.imu_from_gps_m;
       const Eigen::Vector2d bias =
           (plane.enu_from_geodetic({fix.latitude_deg, fix.longitude_deg, fix.height_m}) - antenna).head<2>();
       if (i > 0) squares += last.squaredNorm(), products += last.dot(bias), count += 2;
@@ -129,21 +130,6 @@ TEST(Sensors, TimeErrorsShiftTheStampsAndNotTheData) {
   EXPECT_EQ(right.fixes[10].latitude_deg, wrong.fixes[10].latitude_deg);
   EXPECT_EQ(right.rays.time_s, wrong.rays.time_s);
   EXPECT_TRUE(wrong.in_order);
-}
-
-TEST(Sensors, TheRigDescribesTheSensors) {
-  Site site = small_site_without_lidar();
-  const Rig spinning = site_rig(site);
-  EXPECT_TRUE(spinning.spinner);
-  EXPECT_EQ(spinning.lidar.max_range_m, site.lidar.max_range_m);
-  site.lidar.kind = LidarKind::multi_beam;
-  site.gps.enabled = false;
-  const Rig fixed = site_rig(site);
-  EXPECT_FALSE(fixed.spinner);
-  EXPECT_FALSE(fixed.gps);
-  EXPECT_EQ(fixed.imu_from_spinner.translation, Eigen::Vector3d::Zero());
-  EXPECT_EQ(fixed.spinner_from_lidar.translation, site.mount.imu_from_lidar.translation);
-  EXPECT_TRUE(RecordedDrive(site, {.rays = false}).fixes.empty());
 }
 
 }  // namespace
