@@ -64,6 +64,15 @@ Result<void> write_at(const FileDescriptor& file, std::uint64_t offset, std::spa
   return {};
 }
 
+Result<void> write_whole_file(const std::string& path, std::span<const std::byte> bytes, std::string_view what,
+                              std::string_view next) {
+  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.valid()) return fail_errno(errno, what, path, next);
+  RAYFIELD_CHECK(write_at(file, 0, bytes, what, path, next));
+  if (const int error = file.close()) return fail_errno(error, what, path, next);
+  return {};
+}
+
 Result<FileDigest> digest_file(const std::string& path, std::string_view what, const std::function<bool()>& cancelled) {
   RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(path, what, "check the path"));
   Sha256 hash;

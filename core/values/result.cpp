@@ -44,6 +44,8 @@ tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::s
     default:
       break;
   }
+  if (next.empty() && (error_number == ENOSPC || error_number == EDQUOT))
+    next = "free some disk space and run the same command again";
   return fail(code, what, where, std::strerror(error_number), next);
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 Result<void> write_and_flush(TemporaryFile& temporary, std::span<const std::byte> bytes) {
   RAYFIELD_CHECK(reserve_space(temporary.file, bytes.size(), temporary.path));
-  RAYFIELD_CHECK(write_at(temporary.file, 0, bytes, temporary.path));
+  RAYFIELD_CHECK(write_in_pieces(temporary.file, bytes, temporary.path));
   if (const int error = fault::point("fsync")) return fail_io(error, "cannot write", temporary.path);
   if (::fsync(temporary.file.get()) != 0) return fail_io(errno, "cannot write", temporary.path);
   if (const int error = fault::point("close")) return fail_io(error, "cannot write", temporary.path);
@@ -27,13 +27,12 @@ Result<void> write_and_flush(TemporaryFile& temporary, std::span<const std::byte
 // What the file system gives back must be what it was given.
 Result<void> compare(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   if (const int error = fault::point("reopen")) return fail_io(error, "cannot write", path);
-  RAYFIELD_ASSIGN(const Fd file, open_for_reading(path, "cannot read back what was written"));
-  RAYFIELD_ASSIGN(const std::uint64_t size, file_size(file, path));
-  bool same = size == bytes.size();
+  RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(path.string(), "cannot read back what was written"));
+  bool same = file.size == bytes.size();
   std::vector<std::byte> piece(std::min<std::size_t>(bytes.size(), std::size_t{1} << 20));
   for (std::size_t offset = 0; same && offset < bytes.size(); offset += piece.size()) {
     const auto part = std::span(piece).first(std::min(piece.size(), bytes.size() - offset));
-    RAYFIELD_CHECK(read_at(file, offset, part, path));
+    RAYFIELD_CHECK(read_exactly(file.descriptor, offset, part, path));
     same = std::equal(part.begin(), part.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
   }
   if (!same)

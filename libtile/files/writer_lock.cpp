@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "libtile/files/fault.h"
+#include "libtile/files/file_io.h"
 #include "libtile/files/store_layout.h"
 
 namespace rayfield::tile {
@@ -15,7 +16,7 @@ namespace rayfield::tile {
 Result<WriterLock> WriterLock::take(const std::filesystem::path& store) {
   const std::filesystem::path path = store / layout::kLock;
   if (const int error = fault::point("lock")) return fail_io(error, "cannot lock the store", path);
-  Fd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  FileDescriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (!file.valid()) return fail_io(errno, "cannot lock the store", path);
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK)

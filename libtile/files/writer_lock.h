@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "libtile/files/file_io.h"
+#include "rayfield/core/file.h"
 
 namespace rayfield::tile {
 
@@ -14,8 +14,8 @@ class WriterLock {
   static Result<WriterLock> take(const std::filesystem::path& store);
 
  private:
-  explicit WriterLock(Fd file) : file_(std::move(file)) {}
-  Fd file_;
+  explicit WriterLock(FileDescriptor file) : file_(std::move(file)) {}
+  FileDescriptor file_;
 };
 
 }  // namespace rayfield::tile

@@ -38,22 +38,4 @@ hid_t h5_file_type(ElementType type) {
   return -1;
 }
 
-std::size_t element_size(ElementType type) {
-  switch (type) {
-    case ElementType::u8:
-      return 1;
-    case ElementType::u16:
-      return 2;
-    case ElementType::i32:
-    case ElementType::u32:
-    case ElementType::f32:
-      return 4;
-    case ElementType::i64:
-    case ElementType::u64:
-    case ElementType::f64:
-      return 8;
-  }
-  return 1;
-}
-
 }  // namespace rayfield::tile

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "libtile/hdf5/h5_image.h"
+#include "libtile/hdf5/element_type.h"
 
 namespace rayfield::tile {
 

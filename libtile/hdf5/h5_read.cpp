@@ -1,10 +1,11 @@
-#include <algorithm>
-#include <cstring>
+#include "libtile/hdf5/h5_read.h"
 
-#include "libtile/files/file_io.h"
+#include <algorithm>
+
 #include "libtile/hdf5/column_codec.h"
 #include "libtile/hdf5/h5_handle.h"
 #include "libtile/hdf5/seal.h"
+#include "rayfield/core/file.h"
 
 namespace rayfield::tile {
 namespace {
@@ -130,14 +131,6 @@ const ColumnLayout* ImageLayout::find(const std::string& name) const {
   return it == columns.end() ? nullptr : &*it;
 }
 
-bool is_sealed(std::span<const std::byte> image) {
-  if (image.size() < kSealSize) return false;
-  const auto stated = image.last(kSealSize);
-  if (std::memcmp(stated.data(), kSealMark.data(), kSealMark.size()) != 0) return false;
-  const std::string seal = seal_of(image.first(image.size() - kSealSize));
-  return std::memcmp(stated.data(), seal.data(), kSealSize) == 0;
-}
-
 Result<ImageLayout> read_layout(std::span<const std::byte> image, const std::string& where) {
   if (!is_sealed(image))
     return unreadable(where, "its bytes do not agree with its seal (damaged, or not of this store)");
@@ -156,8 +149,7 @@ Result<ImageLayout> read_layout(std::span<const std::byte> image, const std::str
 
 Result<ImageLayout> read_layout(const std::filesystem::path& checked_file) {
   const std::string where = checked_file.string();
-  RAYFIELD_ASSIGN(const Fd descriptor, open_for_reading(checked_file, "cannot read file of the store"));
-  RAYFIELD_ASSIGN(const std::uint64_t bytes, file_size(descriptor, checked_file));
+  RAYFIELD_ASSIGN(const InputDescriptor input, open_regular_file(where, "cannot read file of the store"));
   const H5Session session;
   H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // Files are immutable: a lock would only fail on read-only network folders.
@@ -165,7 +157,7 @@ Result<ImageLayout> read_layout(const std::filesystem::path& checked_file) {
     return fail(ErrorCode::internal, "cannot read file of the store", where, "the HDF5 library refused");
   const H5Handle file(H5Fopen(where.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   if (!file.valid()) return unreadable(where, "it is not an HDF5 file");
-  return read_open_file(file.get(), bytes, where);
+  return read_open_file(file.get(), input.size, where);
 }
 
 }  // namespace rayfield::tile

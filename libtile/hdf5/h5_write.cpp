@@ -1,10 +1,10 @@
+#include "libtile/hdf5/h5_write.h"
+
 #include <algorithm>
-#include <cstring>
 
 #include "libtile/hdf5/column_codec.h"
 #include "libtile/hdf5/h5_handle.h"
 #include "libtile/hdf5/seal.h"
-#include "rayfield/core/sha256.h"
 
 namespace rayfield::tile {
 namespace {

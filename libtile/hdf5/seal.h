@@ -2,11 +2,8 @@
 
 #include <cstddef>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
-
-#include "rayfield/core/sha256.h"
 
 namespace rayfield::tile {
 
@@ -15,12 +12,8 @@ namespace rayfield::tile {
 inline constexpr std::string_view kSealMark = "RAYFIELD-SHA256 ";
 inline constexpr std::size_t kSealSize = 80;
 
-inline std::string seal_of(std::span<const std::byte> content) { return std::string(kSealMark) + sha256_hex(content); }
-
-inline void append_seal(std::vector<std::byte>& content) {
-  const std::string seal = seal_of(content);
-  const auto bytes = std::as_bytes(std::span(seal));
-  content.insert(content.end(), bytes.begin(), bytes.end());
-}
+void append_seal(std::vector<std::byte>& content);
+/// True where the last bytes are a seal that fits the bytes before it.
+bool is_sealed(std::span<const std::byte> image);
 
 }  // namespace rayfield::tile

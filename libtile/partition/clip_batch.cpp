@@ -8,10 +8,6 @@ namespace {
 
 constexpr double kMaxTime_s = 1e11;  // some three thousand years from the epoch; keeps microseconds in 64 bits
 
-std::uint64_t pack(TileIndex tile) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.ix)) << 32U) | static_cast<std::uint32_t>(tile.iy);
-}
-
 bool in_range(const Eigen::Vector3d& p) {
   return std::abs(p.x()) <= kMaxCoordinate_m && std::abs(p.y()) <= kMaxCoordinate_m && std::abs(p.z()) <= kMaxHeight_m;
 }
@@ -77,7 +73,7 @@ void RayStatistics::merge(const RayStatistics& other) {
 }
 
 std::uint32_t BatchClipper::local_number(TileIndex tile) {
-  const auto [it, is_new] = numbers_.try_emplace(pack(tile), static_cast<std::uint32_t>(tiles_.size()));
+  const auto [it, is_new] = numbers_.try_emplace(tile_key(tile), static_cast<std::uint32_t>(tiles_.size()));
   if (is_new) tiles_.push_back(tile);
   return it->second;
 }

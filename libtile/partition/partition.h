@@ -1,20 +1,16 @@
 #pragma once
 
+/// partition/: cuts a stream of rays into tile files with bounded memory.
+
 #include <vector>
 
 #include "libtile/partition/clip_batch.h"
+#include "libtile/partition/memory_plan.h"
 #include "libtile/partition/tile_output.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/core/ray_source.h"
 
 namespace rayfield::tile {
-
-struct PartitionOptions {
-  int threads = 1;
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
-  /// Below this the buffers cannot hold one batch of arbitrary rays.
-  static constexpr std::uint64_t kLeastMemory = std::uint64_t{128} << 20;
-};
 
 struct PartitionResult {
   RayStatistics statistics;

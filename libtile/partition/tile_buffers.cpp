@@ -23,9 +23,7 @@ bool TileBuffers::has_room(const ClippedBatch& batch) const {
 }
 
 Result<std::uint32_t> TileBuffers::number_of(TileIndex index) {
-  const std::uint64_t key =
-      (static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.ix)) << 32U) | static_cast<std::uint32_t>(index.iy);
-  const auto [it, is_new] = numbers_.try_emplace(key, static_cast<std::uint32_t>(tiles_.size()));
+  const auto [it, is_new] = numbers_.try_emplace(tile_key(index), static_cast<std::uint32_t>(tiles_.size()));
   if (is_new) {
     if (tiles_.size() == kMaxTiles)
       return fail(ErrorCode::bad_input, "cannot tile the scan", "",
@@ -67,6 +65,8 @@ Result<void> TileBuffers::add(const ClippedBatch& batch, std::vector<ChunkJob>& 
   return {};
 }
 
+// Writes all waiting records as one run, tile after tile and in pieces of up to kSpillBuffer, so that the disk sees long
+// sequential writes; each tile remembers where its pieces lie, and its blocks go back to the arena.
 Result<void> TileBuffers::spill() {
   std::vector<RayRecord> buffer;
   buffer.reserve(kSpillBuffer);

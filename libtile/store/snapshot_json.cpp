@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "libtile/files/store_layout.h"
-#include "rayfield/core/sha256.h"
 
 namespace rayfield::tile {
 namespace {
@@ -127,20 +126,6 @@ Result<T> parse_document(const Json& json, const char* format, const std::string
 }
 
 }  // namespace
-
-std::string TileEntry::content_sha256() const {
-  if (more_files.empty()) return file.sha256;
-  std::string all = file.sha256;
-  for (const FileEntry& f : more_files) all += f.sha256;
-  return sha256_hex(all);
-}
-
-const ScanEntry* Snapshot::find_scan(const std::string& scan_id) const {
-  for (const ScanEntry& scan : scans) {
-    if (scan.scan_id == scan_id) return &scan;
-  }
-  return nullptr;
-}
 
 Json to_json(const Snapshot& snapshot) {
   Json scans = Json::array(), registry = Json::array();

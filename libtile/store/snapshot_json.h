@@ -4,7 +4,7 @@
 
 #include "rayfield/core/result.h"
 #include "rayfield/tile/snapshot.h"
-#include "rayfield/tile/store.h"
+#include "rayfield/tile/store_config.h"
 
 /// Snapshots and the store's own description as JSON (docs/store-format.md). Key order is fixed.
 namespace rayfield::tile {

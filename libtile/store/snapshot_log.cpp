@@ -66,6 +66,16 @@ Result<Snapshot> load_snapshot(const std::filesystem::path& store, std::uint64_t
   return snapshot;
 }
 
+Result<std::vector<Snapshot>> all_snapshots(const std::filesystem::path& store) {
+  RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(store));
+  std::vector<Snapshot> snapshots;
+  for (const std::uint64_t number : numbers) {
+    RAYFIELD_ASSIGN(Snapshot snapshot, load_snapshot(store, number));
+    snapshots.push_back(std::move(snapshot));
+  }
+  return snapshots;
+}
+
 Result<Snapshot> latest_snapshot(const std::filesystem::path& store) {
   RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(store));
   if (numbers.empty()) return Snapshot{};

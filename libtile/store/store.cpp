@@ -13,9 +13,13 @@
 #include "libtile/files/sealed_json.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/files/writer_lock.h"
+#include "libtile/hdf5/array_image.h"
+#include "libtile/store/add_scan.h"
+#include "libtile/store/garbage.h"
+#include "libtile/store/open_store.h"
 #include "libtile/store/snapshot_json.h"
 #include "libtile/store/snapshot_log.h"
-#include "libtile/store/store_impl.h"
+#include "libtile/store/verify.h"
 
 namespace rayfield::tile {
 namespace {
@@ -68,6 +72,8 @@ Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
 
 }  // namespace
 
+// Making a store that is there already, with the same settings, is no error: a run that was interrupted after store.json
+// was linked is repeated with success.
 Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
   RAYFIELD_CHECK(config.validate());
   std::error_code error;
@@ -108,33 +114,45 @@ Result<Store> Store::open(const fs::path& folder) {
   if (!fs::exists(folder / layout::kStoreFile, error))
     return fail(ErrorCode::bad_input, "cannot open the store", folder.string(),
                 "it is not a rayfield store (no store.json)", "create one with `rayfield init`");
-  Store store;
-  store.impl_ = std::make_shared<Impl>();
-  store.impl_->folder = folder;
-  RAYFIELD_ASSIGN(store.impl_->config, read_config(folder));
-  RAYFIELD_CHECK(store.impl_->config.validate());
-  return store;
+  RAYFIELD_ASSIGN(StoreConfig config, read_config(folder));
+  RAYFIELD_CHECK(config.validate());
+  return Store(std::make_shared<const OpenStore>(folder, std::move(config)));
 }
 
-const StoreConfig& Store::config() const { return impl_->config; }
-const fs::path& Store::folder() const { return impl_->folder; }
+const StoreConfig& Store::config() const { return store_->config; }
+const fs::path& Store::folder() const { return store_->folder; }
 
 std::string Store::block_name() const {
-  fs::path path = fs::weakly_canonical(impl_->folder);
+  fs::path path = fs::weakly_canonical(store_->folder);
   if (path.filename().empty()) path = path.parent_path();
   return path.filename().string();
 }
 
-Result<Snapshot> Store::latest() const { return latest_snapshot(impl_->folder); }
+Result<Snapshot> Store::latest() const { return latest_snapshot(store_->folder); }
+Result<std::vector<Snapshot>> Store::history() const { return all_snapshots(store_->folder); }
 
-Result<std::vector<Snapshot>> Store::history() const {
-  RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(impl_->folder));
-  std::vector<Snapshot> snapshots;
-  for (const std::uint64_t number : numbers) {
-    RAYFIELD_ASSIGN(Snapshot snapshot, load_snapshot(impl_->folder, number));
-    snapshots.push_back(std::move(snapshot));
-  }
-  return snapshots;
+Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progress& progress) {
+  return add_scan(*store_, rays, options, progress);
 }
+Result<std::optional<AddReport>> Store::find_added(const AddOptions& options) const {
+  return find_added_scan(store_->folder, options);
+}
+
+Result<TileReader> Store::open_tile(const TileEntry& tile) const { return TileReader::open(*store_, tile); }
+
+Result<ArraySet> Store::read_derived(const DerivedEntry& entry) const {
+  const fs::path path = store_->folder / entry.file.path;
+  RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, store_->files.read(entry.file));
+  RAYFIELD_ASSIGN(ArraySet arrays, decode_arrays(bytes, path.string()));
+  if (arrays.kind != entry.kind) return file_damaged(path, "it holds '" + arrays.kind + "', not '" + entry.kind + "'");
+  return arrays;
+}
+
+Result<DerivedWriter> Store::write_derived() { return DerivedWriter::open(store_); }
+
+Result<std::vector<Damage>> Store::verify(bool all, int threads, Progress& progress) const {
+  return verify_store(store_->folder, all, threads, progress);
+}
+Result<std::uint64_t> Store::gc(bool dry_run) { return collect_garbage(store_->folder, dry_run); }
 
 }  // namespace rayfield::tile

@@ -113,6 +113,7 @@ void ChunkSummary::add(const ChunkSummary& other) {
   bounds.extend(other.bounds);
 }
 
+// Columns in the order of kTileColumns: differences of origins and times, differences of differences of ray vectors.
 EncodedChunk encode_chunk(std::span<const RayRecord> records, std::size_t chunk_elements) {
   EncodedChunk chunk;
   chunk.count = static_cast<std::uint32_t>(records.size());

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "libtile/hdf5/h5_image.h"
+#include "libtile/hdf5/element_type.h"
 #include "libtile/tile_file/tile_grid.h"
 #include "rayfield/core/result.h"
 #include "rayfield/tile/segments.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "libtile/hdf5/h5_write.h"
+
 namespace rayfield::tile {
 namespace {
 

@@ -1,8 +1,11 @@
 #pragma once
 
+/// tile_file/: the content of a tile file: rays clipped to a tile, in integers, as compressed columns.
+
 #include <filesystem>
 #include <vector>
 
+#include "libtile/hdf5/h5_read.h"
 #include "libtile/tile_file/chunk_codec.h"
 
 namespace rayfield::tile {

@@ -40,6 +40,8 @@ std::uint8_t segment_flags(const LocalRay& ray, const TileGrid& grid, bool hit) 
   return static_cast<std::uint8_t>(flags);
 }
 
+// Goes through the columns of tiles that the ray's box touches. Long columns are first cut to the rows that the ray can
+// reach within the column; whether a tile is kept is then decided by the same clipping that readers apply.
 void TileGrid::tiles_of(const MapRay& ray, std::vector<TileIndex>& tiles) const {
   tiles.clear();
   const auto reach = [&](std::size_t k) {

@@ -16,6 +16,11 @@ inline constexpr double kMaxCoordinate_m = 1e8;  ///< easting and northing beyon
 inline constexpr double kMaxHeight_m = 1e5;      ///< keeps heights in 32 bits
 inline constexpr double kMaxRayLength_m = 5e3;   ///< no lidar reaches further; keeps rays in 32 bits
 
+/// A tile's index as one number, for hash maps.
+inline std::uint64_t tile_key(TileIndex tile) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.ix)) << 32U) | static_cast<std::uint32_t>(tile.iy);
+}
+
 /// A ray in units of 0.1 mm, relative to the south-west corner of a tile (heights to 0). `ray` = end − origin.
 struct LocalRay {
   std::array<std::int32_t, 3> origin, ray;

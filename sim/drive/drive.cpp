@@ -9,7 +9,10 @@
 #include <numbers>
 
 #include "sim/drive/path.h"
+#include "sim/drive/true_trajectory.h"
+#include "sim/site/random.h"
 #include "sim/world/smooth_noise.h"
+#include "sim/world/terrain.h"
 
 namespace rayfield::sim {
 namespace {
@@ -46,7 +49,7 @@ struct Spring {
 // Speed over ground and place on the path, stepped in time.
 class SpeedModel {
  public:
-  SpeedModel(const Path& path, const VehicleOptions& vehicle, const SiteDate& date)
+  SpeedModel(const Path& path, const SiteVehicle& vehicle, const SiteDate& date)
       : path_(path), vehicle_(vehicle), date_(date), speed_(date.stationary_start_s > 0 ? 0 : date.speed_m_s) {}
 
   double place() const { return place_; }
@@ -69,7 +72,7 @@ class SpeedModel {
 
  private:
   const Path& path_;
-  const VehicleOptions& vehicle_;
+  const SiteVehicle& vehicle_;
   const SiteDate& date_;
   std::size_t turn_ = 0;
   double place_ = 0, speed_ = 0, acceleration_ = 0;
@@ -116,7 +119,7 @@ class BodyModel {
     const double roll =
         0.5 * (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / kTrack + kRollPerAcceleration * curvature * speed * speed;
     if (first) height_.position = height, pitch_.position = pitch, roll_.position = roll;
-    const VehicleOptions& vehicle = world_.site().vehicle;
+    const SiteVehicle& vehicle = world_.site().vehicle;
     const double omega = 2 * std::numbers::pi * vehicle.suspension_frequency_hz;
     // Tyres and springs are stiffer for the mean height than for the attitude.
     height_.follow(height, 2 * omega, vehicle.suspension_damping);
@@ -132,8 +135,8 @@ class BodyModel {
 };
 
 // One control point of the trajectory: the IMU's place and attitude.
-Trajectory::Spline::Vector control_point(const Path& path, double place, const BodyModel::Attitude& body,
-                                         double last_yaw, const VehicleOptions& vehicle) {
+TrueTrajectory::Spline::Vector control_point(const Path& path, double place, const BodyModel::Attitude& body,
+                                             double last_yaw, const SiteVehicle& vehicle) {
   const auto at = path.curve.evaluate(place);
   double yaw = std::atan2(at.first.y(), at.first.x());
   yaw += 2 * std::numbers::pi * std::round((last_yaw - yaw) / (2 * std::numbers::pi));
@@ -142,12 +145,12 @@ Trajectory::Spline::Vector control_point(const Path& path, double place, const B
                                       Eigen::AngleAxisd(body.roll, Eigen::Vector3d::UnitX());
   const Eigen::Vector3d imu =
       Eigen::Vector3d(at.value.x(), at.value.y(), body.height) + rotation * Eigen::Vector3d(0, 0, vehicle.imu_height_m);
-  Trajectory::Spline::Vector point;
+  TrueTrajectory::Spline::Vector point;
   point << imu, yaw, body.pitch, body.roll;
   return point;
 }
 
-void add_vibration(Trajectory::Spline::Vector& point, const VehicleOptions& vehicle, std::uint64_t seed,
+void add_vibration(TrueTrajectory::Spline::Vector& point, const SiteVehicle& vehicle, std::uint64_t seed,
                    std::size_t knot) {
   CounterRandom random(seed, Stream::vibration, knot);
   point.head<3>() += vehicle.vibration_m * random.normal3();
@@ -164,16 +167,20 @@ double curve_length(const UniformSpline<2>& curve) {
 
 }  // namespace
 
+double Drive::duration_s() const { return trajectory->duration(); }
+
 std::vector<TimedPose> Drive::poses(double rate_hz) const {
   std::vector<TimedPose> result;
   const auto count = static_cast<std::size_t>(std::floor(duration_s() * rate_hz + 1e-9)) + 1;
   for (std::size_t i = 0; i < count; ++i) {
     const double t = static_cast<double>(i) / rate_hz;
-    result.push_back({start_time_s + t, trajectory.motion(t).enu_from_imu});
+    result.push_back({start_time_s + t, trajectory->motion(t).enu_from_imu});
   }
   return result;
 }
 
+// Integrates speed and suspension along the path in steps of kStep, and every kKnot takes a control point of the
+// trajectory; a spline through attracting points keeps poses, rates and accelerations consistent by construction.
 Result<Drive> plan_drive(const World& world) {
   const Site& site = world.site();
   const SiteDate& date = world.date();
@@ -185,7 +192,7 @@ Result<Drive> plan_drive(const World& world) {
 
   SpeedModel speed(path, site.vehicle, date);
   BodyModel body(world, path);
-  std::vector<Trajectory::Spline::Vector> control;
+  std::vector<TrueTrajectory::Spline::Vector> control;
   const Eigen::Vector2d start_direction = path.curve.evaluate(0).first;
   double yaw = std::atan2(start_direction.y(), start_direction.x());
   // The springs settle before the log starts, so that a stationary start is stationary.
@@ -208,9 +215,9 @@ Result<Drive> plan_drive(const World& world) {
     }
   }
   // Two points before the first, so that the spline at time t follows the control point of time t.
-  const Trajectory::Spline::Vector lead = control[0] - control[1], origin = control[0];
+  const TrueTrajectory::Spline::Vector lead = control[0] - control[1], origin = control[0];
   control.insert(control.begin(), {origin + 2 * lead, origin + lead});
-  drive.trajectory = Trajectory(Trajectory::Spline(0, kKnot, std::move(control)));
+  drive.trajectory = std::make_shared<const TrueTrajectory>(TrueTrajectory::Spline(0, kKnot, std::move(control)));
   return drive;
 }
 

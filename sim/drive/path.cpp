@@ -76,6 +76,8 @@ std::vector<int> lane_order(const Site& site, const SiteDate& date) {
   return lanes;
 }
 
+// Strings the lanes (with wander) and the headland turns into one polygon, resamples it evenly and lays a spline over
+// it.
 Path plan_path(const BlockGeometry& block, const std::vector<int>& lanes, double wander_m, std::uint64_t seed) {
   const double half = 0.5 * block.row_length() + kHeadland;
   Points points;

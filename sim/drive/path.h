@@ -1,9 +1,11 @@
 #pragma once
 
+/// drive/: how the vehicle moves: the way along the lanes, speed, suspension, and the trajectory as a smooth curve.
+
 #include <vector>
 
-#include "rayfield/sim/block_geometry.h"
-#include "rayfield/sim/uniform_spline.h"
+#include "sim/drive/uniform_spline.h"
+#include "sim/world/block_geometry.h"
 
 namespace rayfield::sim {
 
@@ -14,7 +16,7 @@ struct Path {
     double from = 0, to = 0;
   };
   UniformSpline<2> curve;
-  std::vector<Span> turns;  ///< stretches of the parameter in headlands
+  std::vector<Span> turns;  ///< ranges of the parameter in headlands
 };
 
 /// Lanes in the order in which a date drives them.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-BeamPattern spinning_pattern(const SpinningOptions& spinning) {
+BeamPattern spinning_pattern(const SiteSpinning& spinning) {
   BeamPattern pattern;
   pattern.period_s = 1 / spinning.rate_hz;
   const double field = spinning.field_of_view_deg * kRadians;
@@ -20,7 +20,7 @@ BeamPattern spinning_pattern(const SpinningOptions& spinning) {
   return pattern;
 }
 
-BeamPattern multi_beam_pattern(const MultiBeamOptions& multi) {
+BeamPattern multi_beam_pattern(const SiteMultiBeam& multi) {
   BeamPattern pattern;
   pattern.period_s = 1 / multi.rate_hz;
   for (int step = 0; step < multi.azimuth_steps; ++step) {
@@ -45,7 +45,7 @@ BeamPattern beam_pattern(const Site& site) {
   return site.lidar.kind == LidarKind::spinning ? spinning_pattern(site.spinning) : multi_beam_pattern(site.multi_beam);
 }
 
-double spinner_angle(const SpinningOptions& spinning, double t) {
+double spinner_angle(const SiteSpinning& spinning, double t) {
   constexpr double kWobbleRate = 2 * std::numbers::pi * 0.11;  // rad/s
   return 2 * std::numbers::pi * spinning.spin_rate_hz * t + spinning.spin_wobble_rad * std::sin(kWobbleRate * t);
 }

@@ -19,6 +19,6 @@ struct BeamPattern {
 BeamPattern beam_pattern(const Site& site);
 
 /// True angle of the spinner `t` seconds after the start of the log, rad, not wrapped.
-double spinner_angle(const SpinningOptions& spinning, double t);
+double spinner_angle(const SiteSpinning& spinning, double t);
 
 }  // namespace rayfield::sim

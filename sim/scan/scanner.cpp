@@ -5,7 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "rayfield/sim/random.h"
+#include "sim/drive/true_trajectory.h"
+#include "sim/site/random.h"
 
 namespace rayfield::sim {
 namespace {
@@ -58,7 +59,7 @@ Result<Scanner> Scanner::create(const World& world, const Drive& drive) {
 }
 
 Scanner::Shot Scanner::shoot(double t, const Eigen::Vector3d& direction) const {
-  const Trajectory::PoseMatrix pose = drive_.trajectory.pose(t);
+  const TrueTrajectory::PoseMatrix pose = drive_.trajectory->pose(t);
   Shot shot;
   Eigen::Matrix3d enu_from_turned = pose.rotation * imu_from_spinner_;
   const Eigen::Vector3d spinner = pose.rotation * rig_.imu_from_spinner.translation + pose.translation;
@@ -75,7 +76,7 @@ Scanner::Shot Scanner::shoot(double t, const Eigen::Vector3d& direction) const {
 }
 
 std::optional<SceneHit> Scanner::first_return(const Shot& shot, std::uint64_t beam) const {
-  const LidarOptions& lidar = world_.site().lidar;
+  const SiteLidar& lidar = world_.site().lidar;
   std::optional<SceneHit> nearest = world_.cast(shot.origin, shot.direction, lidar.max_range_m);
   if (lidar.sub_rays <= 1 || lidar.divergence_mrad <= 0) return nearest;
   // The other sub-rays lie on rings that share the beam's cross-section evenly; the turn differs from beam to beam.
@@ -95,17 +96,17 @@ std::optional<SceneHit> Scanner::first_return(const Shot& shot, std::uint64_t be
   return nearest;
 }
 
-void Scanner::render_scan(std::size_t index, bool want_scans, bool want_rays, Chunk& out) const {
-  const LidarOptions& lidar = world_.site().lidar;
+// One lidar message and its rays. Random numbers are drawn by the number of the beam, hits or not, so that no beam
+// depends on another.
+void Scanner::render_scan(std::size_t index, bool want_rays, Chunk& out) const {
+  const SiteLidar& lidar = world_.site().lidar;
   const double start = static_cast<double>(index) * pattern_.period_s;
   LidarScan scan;
   scan.time_s = drive_.start_time_s + start - world_.date().lidar_time_error_s;
   const std::size_t beams = pattern_.direction.size();
-  if (want_scans) {
-    scan.direction = pattern_.direction;
-    scan.time_offset_s = pattern_.time_offset_s;
-    scan.range_m.reserve(beams), scan.intensity.reserve(beams);
-  }
+  scan.direction = pattern_.direction;
+  scan.time_offset_s = pattern_.time_offset_s;
+  scan.range_m.reserve(beams), scan.intensity.reserve(beams);
   for (std::size_t i = 0; i < beams; ++i) {
     const std::uint64_t beam = index * beams + i;
     const double t = start + static_cast<double>(pattern_.time_offset_s[i]);
@@ -121,7 +122,7 @@ void Scanner::render_scan(std::size_t index, bool want_scans, bool want_rays, Ch
       if (dropped) range = std::numeric_limits<float>::quiet_NaN();
       if (!std::isfinite(range)) intensity = 0;
     }
-    if (want_scans) scan.range_m.push_back(range), scan.intensity.push_back(intensity);
+    scan.range_m.push_back(range), scan.intensity.push_back(intensity);
     ++out.counts.beams;
     const bool valid = std::isfinite(range);
     const bool free_sky = !hit && shot.direction.z() > 0;
@@ -132,14 +133,14 @@ void Scanner::render_scan(std::size_t index, bool want_scans, bool want_rays, Ch
                   static_cast<std::uint16_t>(intensity), valid);
   }
   ++out.counts.lidar_messages;
-  if (want_scans) out.scans.push_back(std::move(scan));
+  out.scans.push_back(std::move(scan));
 }
 
-void Scanner::render(std::size_t chunk, bool want_scans, bool want_rays, Chunk& out) const {
+void Scanner::render(std::size_t chunk, bool want_rays, Chunk& out) const {
   out = Chunk();
   const std::size_t first = chunk * scans_per_chunk_, last = std::min(first + scans_per_chunk_, scan_count_);
   if (want_rays) out.rays.reserve((last - first) * beams_per_scan());
-  for (std::size_t scan = first; scan < last; ++scan) render_scan(scan, want_scans, want_rays, out);
+  for (std::size_t scan = first; scan < last; ++scan) render_scan(scan, want_rays, out);
 }
 
 }  // namespace rayfield::sim

@@ -1,5 +1,7 @@
 #pragma once
 
+/// scan/: what the sensors measure on a drive: lidar messages and rays, IMU, encoder, GPS.
+
 #include <vector>
 
 #include "rayfield/core/ray.h"
@@ -26,8 +28,8 @@ class Scanner {
   std::size_t chunk_count() const { return (scan_count_ + scans_per_chunk_ - 1) / scans_per_chunk_; }
   std::size_t scan_count() const { return scan_count_; }
   std::size_t beams_per_scan() const { return pattern_.direction.size(); }
-  /// `scans` or `rays` can be left out where nobody wants them.
-  void render(std::size_t chunk, bool want_scans, bool want_rays, Chunk& out) const;
+  /// Rays can be left out where nobody wants them.
+  void render(std::size_t chunk, bool want_rays, Chunk& out) const;
 
  private:
   Scanner(World world, Drive drive, MapFromEnu map) : world_(std::move(world)), drive_(std::move(drive)), map_(map) {}
@@ -43,7 +45,7 @@ class Scanner {
   Eigen::Matrix3d imu_from_spinner_, spinner_from_lidar_;
   std::size_t scan_count_ = 0, scans_per_chunk_ = 1;
 
-  void render_scan(std::size_t index, bool want_scans, bool want_rays, Chunk& out) const;
+  void render_scan(std::size_t index, bool want_rays, Chunk& out) const;
   Shot shoot(double t, const Eigen::Vector3d& direction) const;
   std::optional<SceneHit> first_return(const Shot& shot, std::uint64_t beam) const;
 };

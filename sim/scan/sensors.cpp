@@ -4,8 +4,9 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
-#include "rayfield/sim/random.h"
+#include "sim/drive/true_trajectory.h"
 #include "sim/scan/beams.h"
+#include "sim/site/random.h"
 
 namespace rayfield::sim {
 namespace {
@@ -19,7 +20,7 @@ bool inside(double t, double start, double duration) { return t >= start && t < 
 }  // namespace
 
 std::vector<ImuSample> simulate_imu(const World& world, const Drive& drive) {
-  const ImuOptions& imu = world.site().imu;
+  const SiteImu& imu = world.site().imu;
   const SiteDate& date = world.date();
   const double scale = date.imu_noise_scale, root_rate = std::sqrt(imu.rate_hz);
   CounterRandom start(date.seed, Stream::imu_bias, 0);
@@ -30,7 +31,7 @@ std::vector<ImuSample> simulate_imu(const World& world, const Drive& drive) {
   samples.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double t = static_cast<double>(i) / imu.rate_hz;
-    const Motion motion = drive.trajectory.motion(t);
+    const Motion motion = drive.trajectory->motion(t);
     CounterRandom random(date.seed, Stream::imu, i);
     ImuSample sample;
     sample.time_s = drive.start_time_s + t;
@@ -48,7 +49,7 @@ std::vector<ImuSample> simulate_imu(const World& world, const Drive& drive) {
 std::vector<SpinnerAngle> simulate_spinner(const World& world, const Drive& drive) {
   std::vector<SpinnerAngle> angles;
   if (world.site().lidar.kind != LidarKind::spinning) return angles;
-  const SpinningOptions& spinning = world.site().spinning;
+  const SiteSpinning& spinning = world.site().spinning;
   const std::size_t count = sample_count(drive, spinning.encoder_rate_hz);
   angles.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -61,9 +62,10 @@ std::vector<SpinnerAngle> simulate_spinner(const World& world, const Drive& driv
   return angles;
 }
 
+// The bias runs on through outages, so that switching one on or off changes no other fix.
 std::vector<GpsFix> simulate_gps(const World& world, const Drive& drive) {
   const Site& site = world.site();
-  const GpsOptions& gps = site.gps;
+  const SiteGps& gps = site.gps;
   const SiteDate& date = world.date();
   std::vector<GpsFix> fixes;
   if (!gps.enabled) return fixes;
@@ -83,7 +85,7 @@ std::vector<GpsFix> simulate_gps(const World& world, const Drive& drive) {
     bool silent = false;
     for (const GpsOutage& outage : date.gps_outages) silent = silent || inside(t, outage.start_s, outage.duration_s);
     if (silent) continue;
-    Eigen::Vector3d p = drive.trajectory.motion(t).enu_from_imu * site.mount.imu_from_gps_m + bias +
+    Eigen::Vector3d p = drive.trajectory->motion(t).enu_from_imu * site.mount.imu_from_gps_m + bias +
                         noise_sigma.cwiseProduct(CounterRandom(date.seed, Stream::gps, i).normal3());
     for (const GpsJump& jump : date.gps_jumps)
       if (inside(t, jump.start_s, jump.duration_s)) p += Eigen::Vector3d(jump.east_m, jump.north_m, jump.up_m);

@@ -86,6 +86,8 @@ Rig site_rig(const Site& site) {
   return rig;
 }
 
+// Chunks of lidar messages are rendered in parallel and consumed in order; the small sensors' messages, made
+// beforehand, are merged in by their stamps.
 Result<SimulationSummary> simulate(const World& world, const Drive& drive, SensorSink& sink, const RayCallback& rays,
                                    const SimulateOptions& options, Progress& progress) {
   RAYFIELD_ASSIGN(const Scanner scanner, Scanner::create(world, drive));
@@ -97,7 +99,7 @@ Result<SimulationSummary> simulate(const World& world, const Drive& drive, Senso
   const bool want_rays = static_cast<bool>(rays);
   const auto produce = [&](std::size_t index, int) -> Result<void> {
     if (progress.cancelled()) return stopped(world);
-    scanner.render(index, true, want_rays, chunks[index]);
+    scanner.render(index, want_rays, chunks[index]);
     return {};
   };
   const auto consume = [&](std::size_t index) -> Result<void> {

@@ -64,14 +64,14 @@ class RangeChecker {
 };
 
 SiteFinding check_rows(const Site& site) {
-  const RowOptions& rows = site.rows;
+  const SiteRows& rows = site.rows;
   const double rest = std::fmod(rows.length_m, rows.panel_length_m);
   if (rest > 1e-6 && rest < 1 && rows.panel_length_m - rest > 1e-6)
     return {"rows.panel_length_m", "it leaves a last panel shorter than 1 m"};
   const double half_width = 0.5 * (rows.count + 1) * rows.spacing_m;
   if (rows.curve_radius_m != 0 && std::abs(rows.curve_radius_m) < std::max(2 * half_width, rows.length_m / 2))
     return {"rows.curve_radius_m", "the curve is tighter than the block's width or half its length"};
-  const CanopyOptions& canopy = site.canopy;
+  const SiteCanopy& canopy = site.canopy;
   if (canopy.top_m <= canopy.bottom_m) return {"canopy.top_m", "it does not lie above bottom_m"};
   if (canopy.leaf_size_max_cm2 < canopy.leaf_size_min_cm2)
     return {"canopy.leaf_size_max_cm2", "it is smaller than leaf_size_min_cm2"};
@@ -120,7 +120,7 @@ SiteFinding check_dates(const Site& site) {
 
 }  // namespace
 
-MountOptions::MountOptions() {
+SiteMount::SiteMount() {
   imu_from_spinner.translation = {0.06, 0, 0.11};
   imu_from_spinner.rotation = Eigen::Quaterniond(0.999992366, 0.00150598967, -0.00299698614, 0.0020044874).normalized();
   spinner_from_lidar.translation = {0.035, 0, 0.02};
@@ -162,7 +162,7 @@ Site without_errors(Site site) {
   site.spinning.encoder_noise_rad = 0;
   site.gps.noise_horizontal_m = site.gps.noise_vertical_m = 0;
   site.gps.bias_horizontal_m = site.gps.bias_vertical_m = 0;
-  ImuOptions& imu = site.imu;
+  SiteImu& imu = site.imu;
   imu.gyro_noise_rad_s_sqrt_hz = imu.accel_noise_m_s2_sqrt_hz = imu.gyro_bias_rad_s = imu.accel_bias_m_s2 = 0;
   imu.gyro_bias_walk_rad_s2_sqrt_hz = imu.accel_bias_walk_m_s3_sqrt_hz = 0;
   for (SiteDate& date : site.dates) {

@@ -1,11 +1,13 @@
-#include <fmt/core.h>
+#include "rayfield/sim/site_toml.h"
 
+#include <fmt/core.h>
 #include <toml++/toml.h>
+
+#include <cmath>
 #include <set>
 #include <sstream>
 
 #include "rayfield/core/text_file.h"
-#include "rayfield/sim/site.h"
 #include "sim/site/site_fields.h"
 
 namespace rayfield::sim {

@@ -1,9 +1,12 @@
+#include "rayfield/sim/truth_files.h"
+
 #include <fmt/core.h>
 
-#include <cerrno>
-#include <fstream>
+#include <span>
+#include <string>
+#include <system_error>
 
-#include "rayfield/sim/truth.h"
+#include "rayfield/core/file.h"
 
 namespace rayfield::sim {
 namespace {
@@ -110,12 +113,8 @@ Text site_text(const Truth& truth) {
 }
 
 Result<void> write_text(const std::filesystem::path& path, const Text& text) {
-  errno = 0;
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  if (!out) return fail_errno(errno, "cannot write truth", path.string(), "check the folder and the space on the disk");
-  return {};
+  return write_whole_file(path.string(), std::as_bytes(std::span(text)), "cannot write truth",
+                          "check the folder and the space on the disk");
 }
 
 }  // namespace

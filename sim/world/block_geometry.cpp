@@ -1,4 +1,4 @@
-#include "rayfield/sim/block_geometry.h"
+#include "sim/world/block_geometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 namespace rayfield::sim {
 
-BlockGeometry::BlockGeometry(const RowOptions& rows)
+BlockGeometry::BlockGeometry(const SiteRows& rows)
     : rows_(rows), curvature_(rows.curve_radius_m == 0 ? 0 : 1 / rows.curve_radius_m) {
   const double azimuth = rows.azimuth_deg * std::numbers::pi / 180;
   sin_azimuth_ = std::sin(azimuth), cos_azimuth_ = std::cos(azimuth);

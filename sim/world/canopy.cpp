@@ -1,11 +1,11 @@
+#include "sim/world/canopy.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "rayfield/sim/leaf_angles.h"
-#include "rayfield/sim/random.h"
-#include "sim/world/planting.h"
+#include "sim/site/random.h"
 #include "sim/world/smooth_noise.h"
 
 namespace rayfield::sim {
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSquareMetre = 1e-4;  // per cm²
 
-// Place of a leaf relative to its vine: along the row, across it, and height over the foot line.
+// Place of a leaf relative to its vine: along the row, across it, and height over the smooth ground under the row.
 struct LeafPlace {
   double along = 0, across = 0, height = 0;
 };
@@ -25,7 +25,7 @@ double truncated_normal(CounterRandom& random, double sigma, double limit) {
 }
 
 // A wall: nearly even in height with soft upper and lower edges, normal across.
-LeafPlace place_in_wall(const CanopyOptions& canopy, double top, double vine_spacing, CounterRandom& random) {
+LeafPlace place_in_wall(const SiteCanopy& canopy, double top, double vine_spacing, CounterRandom& random) {
   LeafPlace place;
   place.along = vine_spacing * (random.uniform(-0.5, 0.5) + 0.05 * random.normal());
   place.across = truncated_normal(random, canopy.width_m / 4, canopy.width_m / 2);
@@ -35,7 +35,7 @@ LeafPlace place_in_wall(const CanopyOptions& canopy, double top, double vine_spa
 }
 
 // Shoots hang over: the further out, the lower.
-LeafPlace place_in_sprawl(const CanopyOptions& canopy, double top, double vine_spacing, CounterRandom& random) {
+LeafPlace place_in_sprawl(const SiteCanopy& canopy, double top, double vine_spacing, CounterRandom& random) {
   LeafPlace place;
   place.along = vine_spacing * (random.uniform(-0.5, 0.5) + 0.08 * random.normal());
   place.across = truncated_normal(random, canopy.width_m / 4, canopy.width_m / 2);
@@ -48,7 +48,7 @@ LeafPlace place_in_sprawl(const CanopyOptions& canopy, double top, double vine_s
 }
 
 // An ellipsoid per plant, evenly filled.
-LeafPlace place_in_crown(const CanopyOptions& canopy, double top, double vine_spacing, CounterRandom& random) {
+LeafPlace place_in_crown(const SiteCanopy& canopy, double top, double vine_spacing, CounterRandom& random) {
   Eigen::Vector3d p;
   do {
     p.x() = random.uniform(-1, 1), p.y() = random.uniform(-1, 1), p.z() = random.uniform(-1, 1);
@@ -57,7 +57,7 @@ LeafPlace place_in_crown(const CanopyOptions& canopy, double top, double vine_sp
           canopy.bottom_m + 0.5 * (top - canopy.bottom_m) * (1 + p.z())};
 }
 
-LeafPlace place_leaf(const CanopyOptions& canopy, double top, double vine_spacing, CounterRandom& random) {
+LeafPlace place_leaf(const SiteCanopy& canopy, double top, double vine_spacing, CounterRandom& random) {
   switch (canopy.kind) {
     case CanopyKind::vsp:
       return place_in_wall(canopy, top, vine_spacing, random);
@@ -85,7 +85,7 @@ std::vector<double> leaf_sizes(const Site& site, const Vine& vine, std::uint64_t
 }  // namespace
 
 std::vector<Vine> plan_vines(const Site& site) {
-  const RowOptions& rows = site.rows;
+  const SiteRows& rows = site.rows;
   const int per_row = std::max(1, static_cast<int>(std::lround(rows.length_m / rows.vine_spacing_m)));
   std::vector<Vine> vines;
   double vigour_sum = 0, planted = 0;
@@ -111,7 +111,7 @@ std::vector<Vine> plan_vines(const Site& site) {
 
 std::uint64_t add_vine_leaves(const Ground& ground, const Vine& vine, std::uint64_t vine_id, double leaf_fraction,
                               const LeafNormals& normals, TriangleMesh& mesh) {
-  const CanopyOptions& canopy = ground.site.canopy;
+  const SiteCanopy& canopy = ground.site.canopy;
   const double row_length = ground.site.rows.length_m;
   // Weak vines are lower as well as thinner.
   const double top =

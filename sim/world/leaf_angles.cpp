@@ -1,4 +1,4 @@
-#include "rayfield/sim/leaf_angles.h"
+#include "sim/world/leaf_angles.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,15 @@
 #include "sim/world/map_from_enu.h"
 
 #include <fmt/core.h>
+
 #include <Eigen/SVD>
+
+#include "sim/world/block_geometry.h"
 
 namespace rayfield::sim {
 
+// Value, Jacobian and Hessian by central differences of the exact map at the origin, then a comparison with the exact
+// map at the rim of the site, where a second-order expansion is worst.
 Result<MapFromEnu> MapFromEnu::create(const Site& site, double reach_m) {
   RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(site.crs_code()));
   const TangentPlane plane({site.latitude_deg, site.longitude_deg, site.height_m});

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "rayfield/sim/random.h"
+#include "sim/site/random.h"
 
 namespace rayfield::sim {
 

@@ -1,11 +1,12 @@
+#include "sim/world/surroundings.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "rayfield/sim/leaf_angles.h"
-#include "rayfield/sim/random.h"
-#include "sim/world/planting.h"
+#include "sim/site/random.h"
+#include "sim/world/leaf_angles.h"
 
 namespace rayfield::sim {
 namespace {
@@ -66,12 +67,12 @@ void add_building(const Ground& ground, std::uint64_t index, SurroundingMeshes& 
     return {at.x() + std::cos(turn) * x - std::sin(turn) * y, at.y() + std::sin(turn) * x + std::cos(turn) * y,
             base + z};
   };
-  constexpr double kFoot = -2;  // below the lowest ground under the shed
+  constexpr double kBase = -2;  // below the lowest ground under the shed
   TriangleMesh& mesh = meshes.buildings;
   for (const double side : {-1.0, 1.0}) {
-    mesh.add_quad(corner(-length, side * width, kFoot), corner(length, side * width, kFoot),
+    mesh.add_quad(corner(-length, side * width, kBase), corner(length, side * width, kBase),
                   corner(length, side * width, wall), corner(-length, side * width, wall));
-    mesh.add_quad(corner(side * length, -width, kFoot), corner(side * length, width, kFoot),
+    mesh.add_quad(corner(side * length, -width, kBase), corner(side * length, width, kBase),
                   corner(side * length, width, wall), corner(side * length, -width, wall));
     mesh.add_triangle(corner(side * length, -width, wall), corner(side * length, width, wall),
                       corner(side * length, 0, ridge));
@@ -111,7 +112,7 @@ void add_fence(const Ground& ground, TriangleMesh& mesh) {
 }  // namespace
 
 void add_surroundings(const Ground& ground, SurroundingMeshes& meshes) {
-  const SurroundingsOptions& options = ground.site.surroundings;
+  const SiteSurroundings& options = ground.site.surroundings;
   const LeafNormals normals(LeafAngles::spherical);
   for (int i = 0; i < options.trees; ++i) add_tree(ground, static_cast<std::uint64_t>(i), normals, meshes);
   for (int i = 0; i < options.buildings; ++i) add_building(ground, static_cast<std::uint64_t>(i), meshes);
@@ -121,7 +122,7 @@ void add_surroundings(const Ground& ground, SurroundingMeshes& meshes) {
 void add_grass(const Ground& ground, TriangleMesh& mesh) {
   constexpr double kBareStrip = 0.35;  // m either side of a row, kept free of weeds
   constexpr double kBladeWidth = 0.008;
-  const TerrainOptions& terrain = ground.site.terrain;
+  const SiteTerrain& terrain = ground.site.terrain;
   const Eigen::Vector2d half = ground.block.half_extent() + Eigen::Vector2d(1.0, 0.75 * ground.site.rows.spacing_m);
   const auto count = static_cast<std::uint64_t>(terrain.grass_per_m2 * 4 * half.x() * half.y());
   for (std::uint64_t i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-#include "rayfield/sim/terrain.h"
+#include "sim/world/terrain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ Terrain::Terrain(const Site& site) : site_(site), block_(site.rows) {
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->vertices.reserve(u_.size() * v_.size());
   mesh->triangles.reserve(2 * u_.size() * v_.size());
-  const TerrainOptions& t = site.terrain;
+  const SiteTerrain& t = site.terrain;
   for (const double v : v_)
     for (const double u : u_) {
       const Eigen::Vector2d p = block_.enu_from_block({u, v});
@@ -72,7 +72,7 @@ Terrain::Terrain(const Site& site) : site_(site), block_(site.rows) {
 }
 
 double Terrain::smooth_height(const Eigen::Vector2d& p) const {
-  const TerrainOptions& t = site_.terrain;
+  const SiteTerrain& t = site_.terrain;
   const double azimuth = t.slope_azimuth_deg * std::numbers::pi / 180;
   double z = 0.01 * t.slope_percent * (p.x() * std::sin(azimuth) + p.y() * std::cos(azimuth));
   if (t.relief_m > 0) {

@@ -1,18 +1,11 @@
+#include "sim/world/trellis.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "sim/world/planting.h"
-
 namespace rayfield::sim {
 
-Eigen::Vector3d Ground::row_point(int row, double chainage, double offset, double height) const {
-  const Eigen::Vector2d center = block.row_point(row, chainage);
-  const Eigen::Vector2d along = block.row_direction(row, chainage);
-  const Eigen::Vector2d p = center + offset * Eigen::Vector2d(along.y(), -along.x());
-  return {p.x(), p.y(), terrain.smooth_height(center) + height};
-}
-
-std::vector<double> post_chainages(const RowOptions& rows) {
+std::vector<double> post_chainages(const SiteRows& rows) {
   std::vector<double> chainages;
   const int panels = std::max(1, static_cast<int>(std::ceil(rows.length_m / rows.panel_length_m - 1e-6)));
   for (int i = 0; i < panels; ++i) chainages.push_back(i * rows.panel_length_m);
@@ -21,7 +14,7 @@ std::vector<double> post_chainages(const RowOptions& rows) {
 }
 
 void add_posts(const Ground& ground, int row, std::vector<Post>& posts, TriangleMesh& mesh) {
-  const StructureOptions& structure = ground.site.structure;
+  const SiteStructure& structure = ground.site.structure;
   const std::vector<double> chainages = post_chainages(ground.site.rows);
   for (std::size_t i = 0; i < chainages.size(); ++i) {
     const bool strainer = i == 0 || i + 1 == chainages.size();
@@ -45,7 +38,7 @@ void add_posts(const Ground& ground, int row, std::vector<Post>& posts, Triangle
 
 void add_wires(const Ground& ground, int row, TriangleMesh& mesh) {
   constexpr double kPiece = 0.5;  // m; short pieces keep the boxes of the search tree small
-  const StructureOptions& structure = ground.site.structure;
+  const SiteStructure& structure = ground.site.structure;
   const std::vector<double> chainages = post_chainages(ground.site.rows);
   for (const double height : structure.wire_heights_m)
     for (std::size_t i = 0; i + 1 < chainages.size(); ++i) {

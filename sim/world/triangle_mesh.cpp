@@ -45,9 +45,9 @@ void add_limb(TriangleMesh& mesh, const Limb& limb) {
 }
 
 void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& center, const Eigen::Vector3d& long_axis,
-              const Eigen::Vector3d& short_axis, double area_m2) {
+              const Eigen::Vector3d& short_axis, double leaf_size_m2) {
   constexpr double kElongation = 1.05;
-  const double half = 0.5 * std::sqrt(2 * area_m2);
+  const double half = 0.5 * std::sqrt(2 * leaf_size_m2);
   const Eigen::Vector3d a = kElongation * half * long_axis, b = half / kElongation * short_axis;
   mesh.add_quad(center - a, center + b, center + a, center - b);
 }

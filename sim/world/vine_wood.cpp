@@ -1,10 +1,11 @@
+#include "sim/world/vine_wood.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "rayfield/sim/random.h"
-#include "sim/world/planting.h"
+#include "sim/site/random.h"
 
 namespace rayfield::sim {
 namespace {
@@ -33,7 +34,7 @@ void add_branch(TriangleMesh& mesh, const Branch& branch) {
 }
 
 void add_trunk(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
-  const StructureOptions& structure = ground.site.structure;
+  const SiteStructure& structure = ground.site.structure;
   CounterRandom random(ground.site.seed, Stream::trunk, vine_id);
   const double diameter = structure.trunk_diameter_m * std::clamp(1 + 0.15 * random.normal(), 0.5, 1.6);
   Eigen::Vector3d from = ground.row_point(vine.row, vine.chainage_m, 0.02 * random.normal(), -0.1);
@@ -53,7 +54,7 @@ void add_trunk(const Ground& ground, const Vine& vine, std::uint64_t vine_id, Tr
 
 // Two arms along the wire, each half the distance to the next vine.
 void add_cordon(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
-  const StructureOptions& structure = ground.site.structure;
+  const SiteStructure& structure = ground.site.structure;
   CounterRandom random(ground.site.seed, Stream::trunk, vine_id + (std::uint64_t{1} << 40));
   const double reach = 0.48 * ground.site.rows.vine_spacing_m;
   const int joints = std::max(2, static_cast<int>(std::ceil(reach / 0.4)));
@@ -74,8 +75,8 @@ void add_cordon(const Ground& ground, const Vine& vine, std::uint64_t vine_id, T
 }
 
 void add_canes(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
-  const StructureOptions& structure = ground.site.structure;
-  const RowOptions& rows = ground.site.rows;
+  const SiteStructure& structure = ground.site.structure;
+  const SiteRows& rows = ground.site.rows;
   const CanopyKind kind = ground.site.canopy.kind;
   const int count = static_cast<int>(std::lround(structure.canes_per_m * rows.vine_spacing_m));
   for (int i = 0; i < count; ++i) {
@@ -108,7 +109,7 @@ void add_canes(const Ground& ground, const Vine& vine, std::uint64_t vine_id, Tr
 
 void add_vine_wood(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
   if (vine.missing) return;
-  const StructureOptions& structure = ground.site.structure;
+  const SiteStructure& structure = ground.site.structure;
   if (structure.trunk_diameter_m > 0) add_trunk(ground, vine, vine_id, mesh);
   if (structure.cordon_diameter_m > 0) add_cordon(ground, vine, vine_id, mesh);
   add_canes(ground, vine, vine_id, mesh);

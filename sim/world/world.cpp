@@ -3,10 +3,15 @@
 #include <fmt/core.h>
 
 #include "rayfield/core/parallel.h"
-#include "rayfield/sim/leaf_angles.h"
-#include "sim/world/area_ledger.h"
-#include "sim/world/planting.h"
+#include "sim/world/area_sums.h"
+#include "sim/world/block_geometry.h"
+#include "sim/world/canopy.h"
+#include "sim/world/leaf_angles.h"
 #include "sim/world/ray_scene.h"
+#include "sim/world/surroundings.h"
+#include "sim/world/terrain.h"
+#include "sim/world/trellis.h"
+#include "sim/world/vine_wood.h"
 
 namespace rayfield::sim {
 namespace {
@@ -48,6 +53,8 @@ struct World::Impl {
       : site(s), date_index(index), block(s.rows), terrain(s), vines(plan_vines(s)) {}
 };
 
+// Rows are made in parallel and added to the scene in their order, which makes the result independent of the threads;
+// what is not of a row (ground, grass, surroundings) comes last.
 Result<World> build_world(const Site& site, std::size_t date_index, int threads, Progress& progress) {
   RAYFIELD_CHECK(site.validate());
   if (date_index >= site.dates.size())
@@ -61,7 +68,7 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
   const double leaf_fraction = site.dates[date_index].leaf_fraction;
   RAYFIELD_ASSIGN(impl->scene, RayScene::create());
   RayScene& scene = impl->scene;
-  AreaLedger ledger(impl->site, impl->block, impl->terrain);
+  AreaSums sums(impl->site, impl->block, impl->terrain);
 
   const auto rows = static_cast<std::size_t>(site.rows.count);
   std::vector<RowMeshes> made(rows);
@@ -72,8 +79,8 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
     meshes = build_row(ground, number, impl->vines, leaf_fraction, normals);
     // Rows have their own sums, so that rows may be added up at the same time.
     for (const TriangleMesh* wood : {&meshes.posts, &meshes.wires, &meshes.wood})
-      ledger.add_wood(number, *wood, 0, wood->triangles.size());
-    ledger.add_leaves(number, meshes.leaves, 0, meshes.leaves.triangles.size());
+      sums.add_wood(number, *wood, 0, wood->triangles.size());
+    sums.add_leaves(number, meshes.leaves, 0, meshes.leaves.triangles.size());
     return {};
   };
   const auto consume = [&](std::size_t row) -> Result<void> {
@@ -89,7 +96,7 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
     return {};
   };
   RAYFIELD_CHECK(parallel_ordered(rows, workers, static_cast<std::size_t>(2 * workers), produce, consume));
-  impl->areas = ledger.rows();
+  impl->areas = sums.rows();
 
   TriangleMesh grass;
   add_grass(ground, grass);

@@ -37,7 +37,7 @@ inline Site small_site_without_lidar() {
 /// Flat bare ground, no plants, no trellis wires, nothing around; posts remain.
 inline Site bare_site() {
   Site site = small_site();
-  site.terrain = TerrainOptions();
+  site.terrain = SiteTerrain();
   site.terrain.bank_height_m = site.terrain.roughness_m = site.terrain.grass_per_m2 = 0;
   site.rows.missing_fraction = 1;
   site.structure.wire_heights_m.clear();

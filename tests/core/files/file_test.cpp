@@ -81,6 +81,16 @@ TEST_F(File, SyncingSaysWhatTheSystemRefuses) {
   EXPECT_FALSE(sync_directory(path("missing"), "cannot write"));
 }
 
+TEST_F(File, AWholeFileIsWrittenOrReplaced) {
+  const std::string old_text = "what was there", text = "new";
+  ASSERT_TRUE(write_whole_file(path("whole"), std::as_bytes(std::span(old_text)), "cannot write"));
+  ASSERT_TRUE(write_whole_file(path("whole"), std::as_bytes(std::span(text)), "cannot write"));
+  EXPECT_EQ(digest_file(path("whole"), "cannot read")->sha256, sha256_hex(text));
+  EXPECT_FALSE(write_whole_file(path("absent/whole"), std::as_bytes(std::span(text)), "cannot write"));
+  EXPECT_EQ(write_whole_file("/dev/full", std::as_bytes(std::span(text)), "cannot write").error().code,
+            ErrorCode::resources);
+}
+
 TEST_F(File, ADescriptorIsClosedOnce) {
   FileDescriptor first(::open(folder_.c_str(), O_RDONLY));
   const int number = first.get();

@@ -50,6 +50,10 @@ Result<std::size_t> read_at(const FileDescriptor& file, std::uint64_t offset, st
 Result<void> write_at(const FileDescriptor& file, std::uint64_t offset, std::span<const std::byte> bytes,
                       std::string_view what, const std::string& path, std::string_view next = {});
 
+/// Makes a file of these bytes, or replaces what was there under that name. Errors: as fail_errno().
+Result<void> write_whole_file(const std::string& path, std::span<const std::byte> bytes, std::string_view what,
+                              std::string_view next = {});
+
 /// Size and SHA-256 of what was read.
 struct FileDigest {
   std::uint64_t size = 0;

@@ -34,9 +34,4 @@ struct ArraySet {
   }
 };
 
-/// HDF5 image (core driver, earliest format, compressed columns), in memory. docs/store-format.md gives the layout.
-Result<std::vector<std::byte>> encode_arrays(const ArraySet& arrays);
-/// `where` is named in errors.
-Result<ArraySet> decode_arrays(std::span<const std::byte> image, const std::string& where);
-
 }  // namespace rayfield::tile

@@ -68,6 +68,8 @@ struct Snapshot {
   std::vector<ScanEntry> scans;        ///< ordered by date, then scan_id
   std::vector<DerivedEntry> registry;  ///< block-wide: rows, panels, posts and their identities
   const ScanEntry* find_scan(const std::string& scan_id) const;
+  /// All files that it names; the pointers live as long as the snapshot.
+  std::vector<const FileEntry*> files() const;
 };
 
 }  // namespace rayfield::tile

@@ -1,21 +1,23 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "rayfield/core/rigid3.h"
-#include "rayfield/sim/trajectory.h"
 #include "rayfield/sim/world.h"
 
 namespace rayfield::sim {
 
+class TrueTrajectory;
+
 /// One drive through the block.
 struct Drive {
-  double start_time_s = 0;  ///< Unix time of the start of the log: midnight UTC of the date
-  Trajectory trajectory;    ///< of the IMU in ENU; its times count from the start of the log
-  std::vector<int> lanes;   ///< in the order in which they were driven
-  double path_m = 0;        ///< length of the path over ground
+  double start_time_s = 0;                           ///< Unix time of the start of the log: midnight UTC of the date
+  std::shared_ptr<const TrueTrajectory> trajectory;  ///< of the IMU in ENU; its times count from the start of the log
+  std::vector<int> lanes;                            ///< in the order in which they were driven
+  double path_m = 0;                                 ///< length of the path over ground
 
-  double duration_s() const { return trajectory.duration(); }
+  double duration_s() const;
   /// True poses (enu_from_imu, Unix times) from the start, `rate_hz` a second.
   std::vector<TimedPose> poses(double rate_hz) const;
 };

@@ -2,11 +2,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 
 #include "rayfield/core/progress.h"
 #include "rayfield/core/ray.h"
-#include "rayfield/core/ray_source.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
 #include "rayfield/sim/drive.h"
@@ -36,12 +34,9 @@ using RayCallback = std::function<Result<void>(const RayBatch&)>;
 /// Runs a drive: hands the sensors' messages to `sink` in the order of their stamps (IMU, spinner, GPS, lidar where
 /// they are equal), and to `rays` (may be empty) the ray cloud as measured (with range noise) but placed with the true
 /// poses, in the site's map CRS. Upward shots without a return become rays of max_range_m, downward ones are dropped,
-/// as are NaN and too close ones (method: ray cloud). Calls come from one thread at a time, not always the same one.
+/// as are NaN and too close ones. Calls come from one thread at a time, not always the same one.
 /// Errors: usage (CRS), interrupted, and what `rays` returns.
 Result<SimulationSummary> simulate(const World& world, const Drive& drive, SensorSink& sink, const RayCallback& rays,
                                    const SimulateOptions& options, Progress& progress);
-
-/// The same true rays as a stream that can be rewound: the rays are cast while they are read, so no cloud is stored.
-Result<std::unique_ptr<RaySource>> true_rays(const World& world, const Drive& drive, const SimulateOptions& options);
 
 }  // namespace rayfield::sim

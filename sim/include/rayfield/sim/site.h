@@ -1,7 +1,8 @@
 #pragma once
 
+/// site/: a synthetic vineyard as numbers, how they are read and checked, and the random numbers that follow from it.
+
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 /// and ranges are listed in docs/simulation.md.
 namespace rayfield::sim {
 
-struct TerrainOptions {
+struct SiteTerrain {
   double slope_percent = 0;         ///< rise per 100 m, 0–40
   double slope_azimuth_deg = 0;     ///< direction in which the ground rises, clockwise from north
   double relief_m = 0;              ///< two standard deviations of a smooth undulation, 0–10
@@ -24,7 +25,7 @@ struct TerrainOptions {
   double grass_height_m = 0.07;     ///< mean height of a blade, 0.01–1
 };
 
-struct RowOptions {
+struct SiteRows {
   int count = 3;                ///< 1–500
   double length_m = 26;         ///< along each row's own centreline, 2–2000
   double spacing_m = 2.75;      ///< 1–20
@@ -35,7 +36,7 @@ struct RowOptions {
   double missing_fraction = 0;  ///< share of vines that are missing, 0–1
 };
 
-struct StructureOptions {
+struct SiteStructure {
   double post_height_m = 1.8;         ///< above ground
   double post_diameter_m = 0.07;      ///< posts between panels
   double strainer_height_m = 1.9;     ///< the two end posts of each row
@@ -59,7 +60,7 @@ enum class CanopyKind {
 /// Distribution of the angle between leaf normal and vertical (de Wit 1965; `ellipsoidal` Campbell 1986).
 enum class LeafAngles { spherical, planophile, erectophile, plagiophile, extremophile, uniform, ellipsoidal };
 
-struct CanopyOptions {
+struct SiteCanopy {
   CanopyKind kind = CanopyKind::vsp;
   double bottom_m = 0.9;            ///< above ground
   double top_m = 1.9;               ///< above ground
@@ -74,13 +75,13 @@ struct CanopyOptions {
   double vine_variation = 0.15;  ///< standard deviation from vine to vine, relative
 };
 
-struct SurroundingsOptions {
+struct SiteSurroundings {
   int trees = 4;      ///< 0–200
   int buildings = 1;  ///< 0–20
   bool fence = true;
 };
 
-struct VehicleOptions {
+struct SiteVehicle {
   double wander_m = 0.07;       ///< standard deviation of the lateral offset from the lane's centre
   double turn_speed_m_s = 1.0;  ///< upper bound in headland turns
   double acceleration_m_s2 = 0.4;
@@ -96,7 +97,7 @@ enum class LidarKind {
   multi_beam,  ///< a fixed scanner with several beams over 360°
 };
 
-struct LidarOptions {
+struct SiteLidar {
   LidarKind kind = LidarKind::spinning;
   double min_range_m = 0.2;
   double max_range_m = 40;
@@ -107,7 +108,7 @@ struct LidarOptions {
 };
 
 /// The spun 2-D scanner (SICK LMS511-like).
-struct SpinningOptions {
+struct SiteSpinning {
   int beams = 286;
   double field_of_view_deg = 190;
   double rate_hz = 100;                   ///< scans per second
@@ -118,22 +119,22 @@ struct SpinningOptions {
   double encoder_noise_rad = 0.0002;
 };
 
-struct MultiBeamOptions {
+struct SiteMultiBeam {
   int beams = 16;
   double elevation_min_deg = -15, elevation_max_deg = 15;
   int azimuth_steps = 720;
   double rate_hz = 10;  ///< revolutions per second, one message each
 };
 
-struct MountOptions {
+struct SiteMount {
   Rigid3 imu_from_spinner;    ///< of a spun scanner
   Rigid3 spinner_from_lidar;  ///< of a spun scanner
   Rigid3 imu_from_lidar;      ///< of a fixed scanner
   Eigen::Vector3d imu_from_gps_m = {-0.42, 0.11, 0.55};
-  MountOptions();
+  SiteMount();
 };
 
-struct ImuOptions {
+struct SiteImu {
   double rate_hz = 100;
   double gyro_noise_rad_s_sqrt_hz = 3e-4;
   double accel_noise_m_s2_sqrt_hz = 3e-3;
@@ -143,7 +144,7 @@ struct ImuOptions {
   double accel_bias_walk_m_s3_sqrt_hz = 1e-4;
 };
 
-struct GpsOptions {
+struct SiteGps {
   bool enabled = true;
   double rate_hz = 10;
   double bias_horizontal_m = 0.5;  ///< standard deviation of a first-order Gauss–Markov bias per axis
@@ -196,18 +197,18 @@ struct Site {
   double latitude_deg = -35.2186, longitude_deg = 138.5411, height_m = 82;  ///< of the block's centre, the ENU origin
   std::string crs;  ///< "EPSG:…"; empty: default_crs() of the place
   std::uint64_t seed = 1;
-  TerrainOptions terrain;
-  RowOptions rows;
-  StructureOptions structure;
-  CanopyOptions canopy;
-  SurroundingsOptions surroundings;
-  VehicleOptions vehicle;
-  LidarOptions lidar;
-  SpinningOptions spinning;
-  MultiBeamOptions multi_beam;
-  MountOptions mount;
-  ImuOptions imu;
-  GpsOptions gps;
+  SiteTerrain terrain;
+  SiteRows rows;
+  SiteStructure structure;
+  SiteCanopy canopy;
+  SiteSurroundings surroundings;
+  SiteVehicle vehicle;
+  SiteLidar lidar;
+  SiteSpinning spinning;
+  SiteMultiBeam multi_beam;
+  SiteMount mount;
+  SiteImu imu;
+  SiteGps gps;
   std::vector<SiteDate> dates;
 
   /// Errors: usage; `where` names the key ("date[1].speed_m_s").
@@ -218,12 +219,6 @@ struct Site {
 
 /// GDA2020 / MGA zone in Australia, else the WGS 84 / UTM zone (without the exceptions of Norway and Svalbard).
 std::string default_crs(double latitude_deg, double longitude_deg);
-
-/// Reads and validates SITE.toml. Errors: bad_input (unreadable, not TOML), usage (unknown key, wrong type, out of
-/// range), with path and line.
-Result<Site> read_site(const std::filesystem::path& path);
-/// The same from text; `name` stands for the path in messages.
-Result<Site> parse_site(std::string_view text, const std::string& name);
 
 /// The site with every sensor error switched off: range, encoder, IMU and GPS noise and biases, drop-outs, outages and
 /// time errors. Drive and scene stay.

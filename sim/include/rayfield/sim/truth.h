@@ -1,8 +1,8 @@
 #pragma once
 
+/// truth/: the numbers that an estimator should find, and the files they are written to.
+
 #include <Eigen/Core>
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include "rayfield/sim/drive.h"
@@ -11,7 +11,7 @@
 namespace rayfield::sim {
 
 /// What an estimator should find. Plan coordinates are ENU metres at the site's origin; rows, panels and posts count
-/// from 0. Areas: see StretchAreas.
+/// from 0. Areas: see IntervalAreas.
 struct Truth {
   struct Row {
     int row = 0;
@@ -45,9 +45,5 @@ struct Truth {
 
 /// Errors: usage (the CRS cannot be used at the site).
 Result<Truth> truth(const World& world, const Drive& drive);
-
-/// Writes trajectory.tum, trajectory_map.tum, panels.csv, metres.csv, rows.csv, posts.csv, ground.csv and site.json
-/// into `folder`, which is made if need be (formats: docs/simulation.md). Errors: resources, bad_input.
-Result<void> write_truth(const Truth& truth, const std::filesystem::path& folder);
 
 }  // namespace rayfield::sim

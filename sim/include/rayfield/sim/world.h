@@ -8,11 +8,12 @@
 
 #include "rayfield/core/progress.h"
 #include "rayfield/core/result.h"
-#include "rayfield/sim/block_geometry.h"
 #include "rayfield/sim/site.h"
-#include "rayfield/sim/terrain.h"
 
 namespace rayfield::sim {
+
+class BlockGeometry;
+class Terrain;
 
 enum class Material : std::uint8_t { ground, grass, leaf, wood, post, wire, building };
 
@@ -45,13 +46,13 @@ struct Vine {
 };
 
 /// One-sided leaf area and half the surface of wood (posts, trunks, cordons, canes, wires above 0.3 m over the local
-/// ground), m², in consecutive stretches of a row.
-struct StretchAreas {
-  std::vector<double> edges_m;  ///< chainages, one more than there are stretches
+/// ground), m², in consecutive intervals of a row.
+struct IntervalAreas {
+  std::vector<double> edges_m;  ///< chainages, one more than there are intervals
   std::vector<double> leaf_m2, wood_m2;
 };
 struct RowAreas {
-  StretchAreas panels, metres;  ///< `metres`: every 0.5 m, the last shorter where the length wants it
+  IntervalAreas panels, metres;  ///< `metres`: every 0.5 m, the last shorter where the length wants it
 };
 
 /// Everything that stands still on one date, ready for ray casting. Copies share the scene.

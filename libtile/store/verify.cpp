@@ -1,0 +1,76 @@
+#include "libtile/store/verify.h"
+
+#include <map>
+#include <optional>
+#include <system_error>
+#include <tuple>
+
+#include "libtile/files/sealed_json.h"
+#include "libtile/files/store_layout.h"
+#include "libtile/store/snapshot_log.h"
+#include "rayfield/core/file.h"
+#include "rayfield/core/parallel.h"
+
+namespace rayfield::tile {
+namespace {
+
+// What is wrong with a file; nothing where it is as the entry says. Errors: interrupted.
+Result<std::optional<std::string>> problem_of(const std::filesystem::path& store, const FileEntry& file,
+                                              const std::function<bool()>& cancelled) {
+  const auto digest = digest_file((store / file.path).string(), "cannot read", cancelled);
+  if (!digest && digest.error().code == ErrorCode::interrupted)
+    return fail(ErrorCode::interrupted, "interrupted", store.string(), "not all files were checked");
+  std::error_code ignored;
+  if (!digest && !std::filesystem::exists(store / file.path, ignored)) return "the file is missing";
+  if (!digest) return digest.error().why;
+  if (digest->size != file.size)
+    return "it has " + std::to_string(digest->size) + " bytes instead of " + std::to_string(file.size);
+  if (digest->sha256 != file.sha256) return "its SHA-256 is not that of the snapshot";
+  return std::nullopt;
+}
+
+// Files of the snapshots, each once; snapshots that cannot be read are added to `damage`.
+Result<std::vector<FileEntry>> files_to_check(const std::filesystem::path& folder, bool all,
+                                              std::vector<Damage>& damage) {
+  RAYFIELD_ASSIGN(std::vector<std::uint64_t> numbers, snapshot_numbers(folder));
+  if (!all && numbers.size() > 1) numbers.erase(numbers.begin(), numbers.end() - 1);
+  std::map<std::tuple<std::string, std::string, std::uint64_t>, FileEntry> files;
+  for (const std::uint64_t number : numbers) {
+    const auto snapshot = load_snapshot(folder, number);
+    if (!snapshot) {
+      damage.push_back(
+          {std::string(layout::kSnapshots) + "/" + layout::snapshot_file_name(number), snapshot.error().why});
+      continue;
+    }
+    for (const FileEntry* file : snapshot->files()) files[{file->path, file->sha256, file->size}] = *file;
+  }
+  std::vector<FileEntry> list;
+  for (const auto& [key, file] : files) list.push_back(file);
+  return list;
+}
+
+}  // namespace
+
+Result<std::vector<Damage>> verify_store(const std::filesystem::path& folder, bool all, int threads,
+                                         Progress& progress) {
+  std::vector<Damage> damage;
+  if (const auto config = read_sealed_json("store", folder / layout::kStoreFile); !config)
+    damage.push_back({layout::kStoreFile, config.error().why});
+  RAYFIELD_ASSIGN(const std::vector<FileEntry> files, files_to_check(folder, all, damage));
+  std::uint64_t bytes = 0;
+  for (const FileEntry& file : files) bytes += file.size;
+  progress.stage("verifying", bytes, "bytes");
+  std::vector<std::optional<std::string>> problems(files.size());
+  const auto check = [&](std::size_t i, int) -> Result<void> {
+    RAYFIELD_ASSIGN(problems[i], problem_of(folder, files[i], [&] { return progress.cancelled(); }));
+    progress.advance(files[i].size);
+    return {};
+  };
+  RAYFIELD_CHECK(parallel_for(files.size(), thread_count(threads), check));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (problems[i]) damage.push_back({files[i].path, *problems[i]});
+  }
+  return damage;
+}
+
+}  // namespace rayfield::tile

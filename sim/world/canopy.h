@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rayfield/sim/world.h"
+#include "sim/world/ground.h"
+#include "sim/world/leaf_angles.h"
+#include "sim/world/triangle_mesh.h"
+
+namespace rayfield::sim {
+
+/// All vines of the block with their vigour and full leaf area.
+std::vector<Vine> plan_vines(const Site& site);
+/// The leaves of one vine that are present at `leaf_fraction`; answers how many.
+std::uint64_t add_vine_leaves(const Ground& ground, const Vine& vine, std::uint64_t vine_id, double leaf_fraction,
+                              const LeafNormals& normals, TriangleMesh& mesh);
+
+}  // namespace rayfield::sim

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "rayfield/sim/world.h"
+#include "sim/world/ground.h"
+#include "sim/world/triangle_mesh.h"
+
+namespace rayfield::sim {
+
+/// Chainages of a row's posts, from end to end.
+std::vector<double> post_chainages(const SiteRows& rows);
+
+void add_posts(const Ground& ground, int row, std::vector<Post>& posts, TriangleMesh& mesh);
+void add_wires(const Ground& ground, int row, TriangleMesh& mesh);
+
+}  // namespace rayfield::sim

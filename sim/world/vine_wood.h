@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+#include "rayfield/sim/world.h"
+#include "sim/world/ground.h"
+#include "sim/world/triangle_mesh.h"
+
+namespace rayfield::sim {
+
+/// Trunk, cordon and canes of one vine; `vine_id` numbers the vines of the block.
+void add_vine_wood(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh);
+
+}  // namespace rayfield::sim

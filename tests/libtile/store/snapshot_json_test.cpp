@@ -1,0 +1,78 @@
+#include "libtile/store/snapshot_json.h"
+
+#include <gtest/gtest.h>
+
+namespace rayfield::tile::testing {
+namespace {
+
+Snapshot sample_snapshot() {
+  Snapshot snapshot;
+  snapshot.number = 7;
+  snapshot.parent = 6;
+  snapshot.created_utc = "2019-02-11T00:00:00.000Z";
+  snapshot.software_version = "0.1.0";
+  snapshot.command = "rayfield add \"x\"";
+  ScanEntry scan;
+  scan.scan_id = "2019-02-11_veraison";
+  scan.date = "2019-02-11";
+  scan.name = "véraison";
+  scan.inputs = {{"a.ply", 1234567890123, "ab"}};
+  scan.ray_count = 10;
+  scan.hit_count = 4;
+  scan.start_time_s = 1549843200.123456;
+  scan.end_time_s = 1549843201.1;
+  scan.origin_bounds.extend(Eigen::Vector3d(1.1, 2.2, 3.3));
+  scan.warnings = {"3 rays dropped"};
+  TileEntry tile;
+  tile.index = {-3, 7};
+  tile.file = {"scans/x/rays/a.h5", 5, "cd"};
+  tile.more_files = {{"scans/x/rays/b.h5", 6, "ef"}};
+  tile.segment_count = 9, tile.start_count = 8, tile.hit_count = 3;
+  tile.bounds.extend(Eigen::Vector3d(0.1, 0.2, 0.3));
+  tile.bounds.extend(Eigen::Vector3d(1, 2, 3));
+  scan.tiles = {tile};
+  scan.derived = {{"ground", "block", "key", {"scans/x/ground/c.h5", 1, "01"}}};
+  snapshot.scans = {scan};
+  snapshot.registry = {{"rows", "block", "key", {"registry/rows/d.h5", 2, "02"}}};
+  return snapshot;
+}
+
+TEST(SnapshotJson, EverythingComesBackAndTextIsStable) {
+  const Snapshot snapshot = sample_snapshot();
+  const std::string text = to_json(snapshot).dump();
+  const auto back = snapshot_from_json(nlohmann::ordered_json::parse(text), "x");
+  ASSERT_TRUE(back) << back.error().line();
+  EXPECT_EQ(to_json(*back).dump(), text);
+  EXPECT_EQ(back->scans[0].start_time_s, 1549843200.123456);
+  EXPECT_EQ(back->scans[0].name, "véraison");
+  EXPECT_EQ(back->scans[0].tiles[0].index, (TileIndex{-3, 7}));
+  EXPECT_EQ(back->scans[0].tiles[0].more_files.size(), 1U);
+  EXPECT_EQ(back->scans[0].tiles[0].bounds.max(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(back->registry[0].file.path, "registry/rows/d.h5");
+  EXPECT_NE(back->find_scan("2019-02-11_veraison"), nullptr);
+  EXPECT_EQ(back->find_scan("2019-02-11"), nullptr);
+}
+
+TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
+  for (const char* path : {"/etc/passwd", "../other/tile.h5", "scans/../../x", ""}) {
+    Snapshot snapshot = sample_snapshot();
+    snapshot.scans[0].tiles[0].file.path = path;
+    const auto back = snapshot_from_json(to_json(snapshot), "x");
+    ASSERT_FALSE(back) << path;
+    EXPECT_EQ(back.error().code, ErrorCode::damaged);
+  }
+}
+
+TEST(SnapshotJson, AnyMissingKeyIsDamageNotACrash) {
+  const auto whole = to_json(sample_snapshot());
+  for (const auto& [key, value] : whole.items()) {
+    auto json = whole;
+    json.erase(key);
+    const auto back = snapshot_from_json(json, "x");
+    ASSERT_FALSE(back) << key;
+    EXPECT_EQ(back.error().code, ErrorCode::damaged) << key;
+  }
+}
+
+}  // namespace
+}  // namespace rayfield::tile::testing

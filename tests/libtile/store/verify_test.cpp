@@ -1,0 +1,60 @@
+#include <gmock/gmock.h>
+
+#include "tests/libtile/processed_store.h"
+
+namespace rayfield::tile::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Verify : public ProcessedStore {};
+
+TEST_F(Verify, AFlippedBitAnywhereIsFoundAndItsFileNamed) {
+  for (const auto& [path, bytes] : contents(store_.folder())) {
+    for (const std::size_t offset : {std::size_t{0}, bytes.size() / 2, bytes.size() - 1}) {
+      flip_bit(store_.folder() / path, offset);
+      const auto damage = damage_of(store_);
+      ASSERT_EQ(damage.size(), 1U) << path << " at " << offset;
+      EXPECT_EQ(damage[0].path, path);
+      EXPECT_FALSE(damage[0].reason.empty());
+      write_text(store_.folder() / path, bytes);
+    }
+  }
+  EXPECT_TRUE(damage_of(store_).empty());
+}
+
+TEST_F(Verify, MissingAndTruncatedFilesAreNamedWithTheReason) {
+  const Snapshot snapshot = *store_.latest();
+  const std::string first = snapshot.scans.at(0).tiles.at(0).file.path,
+                    second = snapshot.scans[0].tiles.at(1).file.path;
+  fs::remove(store_.folder() / first);
+  fs::resize_file(store_.folder() / second, 100);
+  const auto damage = damage_of(store_, false);
+  ASSERT_EQ(damage.size(), 2U);
+  std::map<std::string, std::string> reasons;
+  for (const Damage& d : damage) reasons[d.path] = d.reason;
+  EXPECT_THAT(reasons.at(first), HasSubstr("missing"));
+  EXPECT_THAT(reasons.at(second), HasSubstr("100 bytes"));
+}
+
+TEST_F(Verify, ADamagedSnapshotIsAnErrorOfEveryReader) {
+  flip_bit(store_.folder() / "snapshots" / "00000002.json", 500);
+  const auto latest = store_.latest();
+  ASSERT_FALSE(latest);
+  EXPECT_EQ(latest.error().code, ErrorCode::damaged);
+  EXPECT_THAT(latest.error().line(), HasSubstr("00000002.json"));
+  EXPECT_FALSE(store_.gc(false)) << "what nothing names cannot be told while a snapshot is unreadable";
+}
+
+TEST_F(Verify, TheNewestSnapshotAloneIsCheckedUnlessAllAreAskedFor) {
+  AddOptions options = add_options();
+  options.overwrite = true;
+  const std::string old_file = store_.latest()->scans.at(0).tiles.at(0).file.path;
+  ASSERT_TRUE(add(store_, simulated_drive(5000, 9), options));
+  fs::remove(store_.folder() / old_file);
+  EXPECT_TRUE(damage_of(store_, false).empty());
+  EXPECT_EQ(damage_of(store_, true).size(), 1U);
+}
+
+}  // namespace
+}  // namespace rayfield::tile::testing
