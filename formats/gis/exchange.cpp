@@ -18,7 +18,7 @@
 namespace rayfield::formats {
 namespace {
 
-constexpr std::string_view geojson_error = "cannot write GeoJSON", csv_error = "cannot write CSV";
+constexpr std::string_view kGeoJsonWhat = "cannot write GeoJSON", kCsvWhat = "cannot write CSV";
 
 /// The shortest text that reads back as the same double.
 std::string number(double value, std::string_view undefined) {
@@ -51,7 +51,7 @@ Result<std::string> polygon(const PanelProduct& panel, OGRCoordinateTransformati
     double x = p.x(), y = p.y();
     if (!p.allFinite() || !to_wgs84.Transform(1, &x, &y) || !std::isfinite(x) || !std::isfinite(y)) {
       return fail(
-          ErrorCode::internal, geojson_error, path,
+          ErrorCode::internal, kGeoJsonWhat, path,
           fmt::format("panel {}/{} has a corner without longitude and latitude", panel.row_number, panel.panel_number));
     }
     text += fmt::format("{}[{:.9f},{:.9f}]", text.empty() ? "" : ",", x, y);
@@ -65,21 +65,21 @@ std::string properties(const PanelProduct& panel, const PanelValue* value) {
                   json_string(panel.panel_uid), panel.row_number, panel.panel_number, number(panel.length_m, "null"));
   if (value == nullptr) return text;
   text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
-  for (const MeasuredColumn& column : measured_columns)
+  for (const MeasuredColumn& column : kMeasuredColumns)
     text += fmt::format(",\"{}\":{}", column.name, number(value->*column.value, "null"));
   return text + fmt::format(",\"ray_count\":{}", value->ray_count);
 }
 
 Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
   if (scan_index >= block.scans.size()) {
-    return fail(ErrorCode::usage, geojson_error, path,
+    return fail(ErrorCode::usage, kGeoJsonWhat, path,
                 fmt::format("scan {} of {} was asked for", scan_index + 1, block.scans.size()));
   }
-  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, geojson_error, path));
-  RAYFIELD_ASSIGN(OGRSpatialReference wgs84, parse_crs("EPSG:4326", geojson_error, path));
+  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, kGeoJsonWhat, path));
+  RAYFIELD_ASSIGN(OGRSpatialReference wgs84, parse_crs("EPSG:4326", kGeoJsonWhat, path));
   const TransformPtr to_wgs84(OGRCreateCoordinateTransformation(&crs, &wgs84));
   if (to_wgs84 == nullptr) {
-    return fail(ErrorCode::usage, geojson_error, path, "no way from " + block.crs + " to longitude and latitude");
+    return fail(ErrorCode::usage, kGeoJsonWhat, path, "no way from " + block.crs + " to longitude and latitude");
   }
   std::map<std::string, const PanelValue*> values;
   for (const PanelValue& value : block.scans[scan_index].panel_values) values[value.panel_uid] = &value;
@@ -96,7 +96,7 @@ Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, 
 
 std::string panels_csv(const BlockProducts& block) {
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
-  for (const MeasuredColumn& column : measured_columns) text += fmt::format(",{}", column.name);
+  for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
   text += ",ray_count\n";
   std::map<std::string, const PanelProduct*> panels;
   for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
@@ -107,7 +107,7 @@ std::string panels_csv(const BlockProducts& block) {
       const PanelProduct& panel = *found->second;
       text += fmt::format("{},{},{},{},{},{}", csv_escape(value.panel_uid), panel.row_number, panel.panel_number,
                           number(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
-      for (const MeasuredColumn& column : measured_columns) text.append(",").append(number(value.*column.value, ""));
+      for (const MeasuredColumn& column : kMeasuredColumns) text.append(",").append(number(value.*column.value, ""));
       text += fmt::format(",{}\n", value.ray_count);
     }
   }
@@ -130,19 +130,19 @@ std::string row_metres_csv(const BlockProducts& block) {
 }  // namespace
 
 Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
-  return guarded(geojson_error, path, [&]() -> Result<void> {
+  return guarded(kGeoJsonWhat, path, [&]() -> Result<void> {
     const GdalSession gdal;
     RAYFIELD_ASSIGN(const std::string text, geojson(block, scan_index, path));
-    return write_file_atomically(path, text, geojson_error);
+    return write_file_atomically(path, text, kGeoJsonWhat);
   });
 }
 
 Result<void> write_panels_csv(const BlockProducts& block, const std::string& path) {
-  return guarded(csv_error, path, [&] { return write_file_atomically(path, panels_csv(block), csv_error); });
+  return guarded(kCsvWhat, path, [&] { return write_file_atomically(path, panels_csv(block), kCsvWhat); });
 }
 
 Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path) {
-  return guarded(csv_error, path, [&] { return write_file_atomically(path, row_metres_csv(block), csv_error); });
+  return guarded(kCsvWhat, path, [&] { return write_file_atomically(path, row_metres_csv(block), kCsvWhat); });
 }
 
 }  // namespace rayfield::formats

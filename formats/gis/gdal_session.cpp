@@ -9,12 +9,12 @@ namespace rayfield::formats {
 namespace {
 
 /// GDAL's default cache is 5 % of the machine's memory, which would escape `--memory`.
-constexpr GIntBig block_cache_bytes = 64 << 20;
+constexpr GIntBig kBlockCacheBytes = 64 << 20;
 
 void register_once() {
   static std::once_flag once;
   std::call_once(once, [] {
-    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(block_cache_bytes);
+    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kBlockCacheBytes);
     GDALAllRegister();
   });
 }

@@ -12,7 +12,7 @@
 namespace rayfield::formats {
 namespace {
 
-using gpkg::what;
+using gpkg::kWhat;
 
 /// True for `YYYY-MM-DDThh:mm:ss.sssZ`, the only form that GeoPackage 1.2 takes for times.
 bool is_utc_text(const std::string& text) {
@@ -39,17 +39,17 @@ std::string time_of_change(const BlockProducts& block) {
 Result<void> fill_new_file(GdalSession& gdal, OGRSpatialReference& crs, const BlockProducts& block,
                            const std::string& file, const std::string& target) {
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
-  if (driver == nullptr) return fail(ErrorCode::internal, what, target, "GDAL lacks the GPKG driver");
+  if (driver == nullptr) return fail(ErrorCode::internal, kWhat, target, "GDAL lacks the GPKG driver");
   CPLStringList creation;
   creation.SetNameValue("VERSION", "1.2");
   DatasetPtr dataset(driver->Create(file.c_str(), 0, 0, 0, GDT_Unknown, creation.List()));
-  if (dataset == nullptr) return gdal.failure(what, target);
+  if (dataset == nullptr) return gdal.failure(kWhat, target);
   const gpkg::OpenGeoPackage package{*dataset, gdal, crs, target};
   dataset->StartTransaction();
   RAYFIELD_CHECK(gpkg::fill_tables(package, block));
-  if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(what, target);
+  if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(kWhat, target);
   dataset.reset();
-  if (gdal.failed()) return gdal.failure(what, target);
+  if (gdal.failed()) return gdal.failure(kWhat, target);
   return {};
 }
 
@@ -57,21 +57,21 @@ Result<void> fill_new_file(GdalSession& gdal, OGRSpatialReference& crs, const Bl
 Result<void> finish_file(GdalSession& gdal, OGRSpatialReference& crs, const BlockProducts& block,
                          const std::string& file, const std::string& target) {
   DatasetPtr dataset(GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE | GDAL_OF_VERBOSE_ERROR));
-  if (dataset == nullptr) return gdal.failure(what, target);
+  if (dataset == nullptr) return gdal.failure(kWhat, target);
   const gpkg::OpenGeoPackage package{*dataset, gdal, crs, target};
   dataset->StartTransaction();
   RAYFIELD_CHECK(gpkg::finish(package, block, time_of_change(block)));
-  if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(what, target);
+  if (dataset->CommitTransaction() != OGRERR_NONE) return gdal.failure(kWhat, target);
   dataset.reset();
-  if (gdal.failed()) return gdal.failure(what, target);
+  if (gdal.failed()) return gdal.failure(kWhat, target);
   return {};
 }
 
 Result<void> write_block(const BlockProducts& block, const std::string& path) {
   // Durability comes from the sync before the rename, so SQLite need not sync in between.
   GdalSession gdal({{"OGR_CURRENT_DATE", time_of_change(block)}, {"OGR_SQLITE_SYNCHRONOUS", "OFF"}});
-  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, what, path));
-  RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(path, what));
+  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, kWhat, path));
+  RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(path, kWhat));
   const std::string file = staged.path("block.gpkg");
   RAYFIELD_CHECK(fill_new_file(gdal, crs, block, file, path));
   RAYFIELD_CHECK(finish_file(gdal, crs, block, file, path));
@@ -82,7 +82,7 @@ Result<void> write_block(const BlockProducts& block, const std::string& path) {
 }  // namespace
 
 Result<void> write_geopackage(const BlockProducts& block, const std::string& path) {
-  return guarded(what, path, [&] { return write_block(block, path); });
+  return guarded(kWhat, path, [&] { return write_block(block, path); });
 }
 
 }  // namespace rayfield::formats

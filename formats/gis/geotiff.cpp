@@ -20,7 +20,7 @@
 namespace rayfield::formats {
 namespace {
 
-constexpr std::string_view what = "cannot write GeoTIFF";
+constexpr std::string_view kWhat = "cannot write GeoTIFF";
 
 /// One raster on its way to the disk.
 struct Job {
@@ -33,7 +33,7 @@ struct Job {
 };
 
 Result<void> check_layout(const RasterLayout& layout, const std::string& path) {
-  const auto bad = [&path](std::string_view why) { return fail(ErrorCode::internal, what, path, why); };
+  const auto bad = [&path](std::string_view why) { return fail(ErrorCode::internal, kWhat, path, why); };
   if (layout.nx < 1 || layout.ny < 1) return bad("the raster has no cells");
   if (!(layout.cell_m > 0) || !std::isfinite(layout.cell_m) || !layout.origin.allFinite()) {
     return bad("the raster's origin or cell size is not finite");
@@ -101,9 +101,9 @@ Result<Written> write_working_copy(const Job& job, const std::string& path) {
     creation.SetNameValue("BLOCKYSIZE", "512");
   }
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  if (driver == nullptr) return fail(ErrorCode::internal, what, job.staged.target(), "GDAL lacks the GTiff driver");
+  if (driver == nullptr) return fail(ErrorCode::internal, kWhat, job.staged.target(), "GDAL lacks the GTiff driver");
   DatasetPtr dataset(driver->Create(path.c_str(), layout.nx, layout.ny, 1, GDT_Float32, creation.List()));
-  if (dataset == nullptr) return job.gdal.failure(what, job.staged.target());
+  if (dataset == nullptr) return job.gdal.failure(kWhat, job.staged.target());
 
   Written written;
   Sha256 hash;
@@ -113,7 +113,7 @@ Result<Written> write_working_copy(const Job& job, const std::string& path) {
                   std::numeric_limits<float>::quiet_NaN());
     RAYFIELD_CHECK(job.read(iy_begin, count, values));
     if (!canonical(values)) {
-      return fail(ErrorCode::internal, what, job.staged.target(),
+      return fail(ErrorCode::internal, kWhat, job.staged.target(),
                   fmt::format("a cell in rows {} … {} is infinite", iy_begin, iy_begin + count - 1));
     }
     // Row by row from the north, so that sums do not depend on the number of rows in a band.
@@ -123,7 +123,7 @@ Result<Written> write_working_copy(const Job& job, const std::string& path) {
     }
     hash.update(std::as_bytes(std::span<const float>(values)));
     if (!transfer(*dataset, GF_Write, layout, iy_begin, count, values.data())) {
-      return job.gdal.failure(what, job.staged.target());
+      return job.gdal.failure(kWhat, job.staged.target());
     }
     return {};
   };
@@ -131,14 +131,14 @@ Result<Written> write_working_copy(const Job& job, const std::string& path) {
   written.sha256 = hash.hex();
   describe(*dataset, job, written.statistics);
   dataset.reset();
-  if (job.gdal.failed()) return job.gdal.failure(what, job.staged.target());
+  if (job.gdal.failed()) return job.gdal.failure(kWhat, job.staged.target());
   return written;
 }
 
 Result<void> copy_to_cog(const Job& job, const std::string& from, const std::string& to) {
   DatasetPtr source(GDALDataset::Open(from.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("COG");
-  if (source == nullptr || driver == nullptr) return job.gdal.failure(what, job.staged.target());
+  if (source == nullptr || driver == nullptr) return job.gdal.failure(kWhat, job.staged.target());
   CPLStringList creation;
   const bool zstd = job.options.compression == GeoTiffOptions::Compression::zstd;
   creation.SetNameValue("COMPRESS", zstd ? "ZSTD" : "DEFLATE");
@@ -150,29 +150,29 @@ Result<void> copy_to_cog(const Job& job, const std::string& from, const std::str
   creation.SetNameValue("NUM_THREADS", "1");
   creation.SetNameValue("BIGTIFF", "IF_SAFER");
   DatasetPtr copy(driver->CreateCopy(to.c_str(), source.get(), FALSE, creation.List(), nullptr, nullptr));
-  if (copy == nullptr) return job.gdal.failure(what, job.staged.target());
+  if (copy == nullptr) return job.gdal.failure(kWhat, job.staged.target());
   copy.reset();
-  if (job.gdal.failed()) return job.gdal.failure(what, job.staged.target());
+  if (job.gdal.failed()) return job.gdal.failure(kWhat, job.staged.target());
   return {};
 }
 
 /// A close can fail without saying so: what the file holds is compared with what was handed over.
 Result<void> verify_values(const Job& job, const std::string& path, const std::string& sha256) {
   DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
-  if (dataset == nullptr) return job.gdal.failure(what, job.staged.target());
+  if (dataset == nullptr) return job.gdal.failure(kWhat, job.staged.target());
   Sha256 hash;
   std::vector<float> values;
   const auto read_band = [&](int iy_begin, int count) -> Result<void> {
     values.resize(static_cast<std::size_t>(count) * static_cast<std::size_t>(job.layout.nx));
     if (!transfer(*dataset, GF_Read, job.layout, iy_begin, count, values.data())) {
-      return job.gdal.failure(what, job.staged.target());
+      return job.gdal.failure(kWhat, job.staged.target());
     }
     hash.update(std::as_bytes(std::span<const float>(values)));
     return {};
   };
   RAYFIELD_CHECK(for_each_band(job.layout, job.options.rows_per_band, read_band));
   if (hash.hex() != sha256) {
-    return fail(ErrorCode::resources, what, job.staged.target(), "the file reads back other values than were written",
+    return fail(ErrorCode::resources, kWhat, job.staged.target(), "the file reads back other values than were written",
                 "check the disk");
   }
   return {};
@@ -184,7 +184,7 @@ Result<void> publish_all(const Job& job, const std::string& file, const RasterSt
   if (job.options.write_style) {
     const ColorScale scale =
         job.options.scale.value_or(product_scale(job.layout.name, statistics.minimum(), statistics.maximum()));
-    RAYFIELD_CHECK(write_bytes(job.staged.path("style.qml"), qml::raster_style(scale, job.layout.unit), what));
+    RAYFIELD_CHECK(write_bytes(job.staged.path("style.qml"), qml::raster_style(scale, job.layout.unit), kWhat));
   }
   // GDAL would prefer an older file's sidecar statistics to those inside the new one.
   std::error_code ignored;
@@ -199,8 +199,8 @@ Result<void> write_raster(const RasterLayout& layout, const RowReader& read, con
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_CHECK(check_layout(layout, path));
   GdalSession gdal;
-  RAYFIELD_ASSIGN(const OGRSpatialReference reference, parse_crs(crs, what, path));
-  RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(path, what));
+  RAYFIELD_ASSIGN(const OGRSpatialReference reference, parse_crs(crs, kWhat, path));
+  RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(path, kWhat));
   const Job job{layout, read, reference, staged, options, gdal};
   const std::string working = staged.path("working.tif");
   RAYFIELD_ASSIGN(const Written written, write_working_copy(job, working));
@@ -217,7 +217,7 @@ Result<void> write_grid(const RasterLayout& layout, const Grid2<float>& grid, co
                         const std::string& path, const GeoTiffOptions& options) {
   const auto width = static_cast<std::size_t>(std::max(layout.nx, 0));
   if (grid.values.size() != width * static_cast<std::size_t>(std::max(layout.ny, 0))) {
-    return fail(ErrorCode::internal, what, path, "the grid's size and its number of values disagree");
+    return fail(ErrorCode::internal, kWhat, path, "the grid's size and its number of values disagree");
   }
   const RowReader rows = [&grid, width](int iy_begin, int count, std::span<float> values) -> Result<void> {
     const auto first = grid.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(iy_begin) * width);
@@ -258,7 +258,7 @@ Result<void> GeoTiffOptions::validate() const {
 
 Result<void> write_cog(const RasterLayout& layout, const RowReader& read, const std::string& crs,
                        const std::string& path, const GeoTiffOptions& options) {
-  return guarded(what, path, [&] { return write_raster(layout, read, crs, path, options); });
+  return guarded(kWhat, path, [&] { return write_raster(layout, read, crs, path, options); });
 }
 
 Result<void> write_cog(const RasterProduct& raster, const std::string& crs, const std::string& path,

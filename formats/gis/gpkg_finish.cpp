@@ -14,7 +14,7 @@ namespace {
 Result<void> execute(const OpenGeoPackage& package, const std::string& sql) {
   OGRLayer* rows = package.dataset.ExecuteSQL(sql.c_str(), nullptr, nullptr);
   if (rows != nullptr) package.dataset.ReleaseResultSet(rows);
-  if (package.gdal.failed()) return package.gdal.failure(what, package.target);
+  if (package.gdal.failed()) return package.gdal.failure(kWhat, package.target);
   return {};
 }
 
@@ -130,7 +130,7 @@ Result<void> add_styles(const OpenGeoPackage& package, const BlockProducts& bloc
     row.SetField("description", style.name.c_str());
     row.SetField("owner", "rayfield");
     if (has_time) row.SetField(row.GetFieldIndex("update_time"), &changed);
-    if (layer->CreateFeature(&row) != OGRERR_NONE) return package.gdal.failure(what, package.target);
+    if (layer->CreateFeature(&row) != OGRERR_NONE) return package.gdal.failure(kWhat, package.target);
   }
   return {};
 }
@@ -148,7 +148,7 @@ Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, c
 Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockProducts& block,
                         const std::string& target) {
   DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
-  if (dataset == nullptr) return gdal.failure(what, target);
+  if (dataset == nullptr) return gdal.failure(kWhat, target);
   const auto value = [&dataset](const std::string& sql) {
     OGRLayer* rows = dataset->ExecuteSQL(sql.c_str(), nullptr, nullptr);
     if (rows == nullptr) return std::string();
@@ -172,8 +172,9 @@ Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockP
     good = good && value(fmt::format("SELECT count(*) FROM {}", table)) == std::to_string(count);
   }
   if (good && !gdal.failed()) return {};
-  if (gdal.failed()) return gdal.failure(what, target);
-  return fail(ErrorCode::resources, what, target, "the file reads back other rows than were written", "check the disk");
+  if (gdal.failed()) return gdal.failure(kWhat, target);
+  return fail(ErrorCode::resources, kWhat, target, "the file reads back other rows than were written",
+              "check the disk");
 }
 
 }  // namespace rayfield::formats::gpkg

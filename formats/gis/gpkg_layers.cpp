@@ -72,14 +72,14 @@ Result<void> check_finite(const OpenGeoPackage& package, const std::vector<Eigen
                           const std::string& of) {
   for (const Eigen::Vector2d& p : points) {
     if (!p.allFinite())
-      return fail(ErrorCode::internal, what, package.target, of + " has a coordinate that is not finite");
+      return fail(ErrorCode::internal, kWhat, package.target, of + " has a coordinate that is not finite");
   }
   return {};
 }
 
 Result<void> check_written(const OpenGeoPackage& package, bool written) {
   if (written && !package.gdal.failed()) return {};
-  return package.gdal.failure(what, package.target);
+  return package.gdal.failure(kWhat, package.target);
 }
 
 Result<void> fill_rows(const OpenGeoPackage& package, const BlockProducts& block) {
@@ -154,7 +154,7 @@ Result<void> fill_panel_values(const OpenGeoPackage& package, const BlockProduct
       RAYFIELD_CHECK(parse_date(v.scan_date));
       Row out(*layer);
       out.text(v.panel_uid).text(v.scan_id).date(v.scan_date);
-      for (const MeasuredColumn& column : measured_columns) out.real(v.*column.value);
+      for (const MeasuredColumn& column : kMeasuredColumns) out.real(v.*column.value);
       out.integer(v.ray_count);
       RAYFIELD_CHECK(check_written(package, out.write()));
     }
@@ -209,7 +209,7 @@ Result<OGRLayer*> create_table(const OpenGeoPackage& package, const Table& table
   options.SetNameValue("DESCRIPTION", table.description.c_str());
   OGRSpatialReference* crs = table.geometry == wkbNone ? nullptr : &package.crs;
   OGRLayer* layer = package.dataset.CreateLayer(table.name.c_str(), crs, table.geometry, options.List());
-  if (layer == nullptr) return package.gdal.failure(what, package.target);
+  if (layer == nullptr) return package.gdal.failure(kWhat, package.target);
   for (const Column& column : table.columns) {
     OGRFieldDefn field(column.name.c_str(), column.type);
     const bool key = column.name == table.name + "_uid" || (table.name == "scan" && column.name == "scan_id");
@@ -218,7 +218,7 @@ Result<OGRLayer*> create_table(const OpenGeoPackage& package, const Table& table
       field.SetUnique(TRUE);
     }
     if (column.name == "detected" || column.name == "useAsDefault") field.SetSubType(OFSTBoolean);
-    if (layer->CreateField(&field) != OGRERR_NONE) return package.gdal.failure(what, package.target);
+    if (layer->CreateField(&field) != OGRERR_NONE) return package.gdal.failure(kWhat, package.target);
   }
   return layer;
 }

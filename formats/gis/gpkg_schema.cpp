@@ -15,7 +15,7 @@ const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table sc
 const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
 
 void add_measured_columns(Table& table) {
-  for (const MeasuredColumn& column : measured_columns)
+  for (const MeasuredColumn& column : kMeasuredColumns)
     table.columns.push_back({column.name, OFTReal, column.description});
   table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
 }
@@ -82,7 +82,7 @@ Table row_metre_table() {
            {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
            scan_id,
            scan_date,
-           {"leaf_area_per_m", OFTReal, leaf_area_per_m_description},
+           {"leaf_area_per_m", OFTReal, kLeafAreaPerMDescription},
            {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
 }
 

@@ -12,7 +12,7 @@
 namespace rayfield::formats::gpkg {
 
 /// Opens every error message of the GeoPackage writer.
-inline constexpr std::string_view what = "cannot write GeoPackage";
+inline constexpr std::string_view kWhat = "cannot write GeoPackage";
 
 struct Column {
   std::string name;

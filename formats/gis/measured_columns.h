@@ -13,14 +13,14 @@ struct MeasuredColumn {
   const char* description;  ///< with the unit
 };
 
-inline constexpr const char* leaf_area_per_m_description = "one-sided leaf area per metre of row, m²/m";
+inline constexpr const char* kLeafAreaPerMDescription = "one-sided leaf area per metre of row, m²/m";
 
 /// In the order of `panel_value`, `panel_by_date`, GeoJSON and CSV; everywhere ray_count follows as an integer.
-inline constexpr std::array<MeasuredColumn, 11> measured_columns = {{
+inline constexpr std::array<MeasuredColumn, 11> kMeasuredColumns = {{
     {"plant_area_m2", &PanelValue::plant_area_m2,
      "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²"},
     {"leaf_area_m2", &PanelValue::leaf_area_m2, "one-sided leaf area: plant area less structure, m²"},
-    {"leaf_area_per_m", &PanelValue::leaf_area_per_m, leaf_area_per_m_description},
+    {"leaf_area_per_m", &PanelValue::leaf_area_per_m, kLeafAreaPerMDescription},
     {"lai", &PanelValue::lai, "leaf area index: leaf area / (panel length × row spacing), m²/m²"},
     {"se_leaf_area_m2", &PanelValue::se_leaf_area_m2, "standard error of leaf_area_m2, m²"},
     {"ci_low_m2", &PanelValue::ci_low_m2, "lower end of the 95 % interval of leaf_area_m2, m²"},

@@ -9,8 +9,8 @@
 namespace rayfield::formats::qml {
 namespace {
 
-constexpr std::string_view doctype = "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n";
-constexpr Rgba outline_grey{70, 70, 70, 255};
+constexpr std::string_view kDoctype = "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n";
+constexpr Rgba kOutlineGrey{70, 70, 70, 255};
 
 std::string color_text(const Rgba& color) { return fmt::format("{},{},{},{}", color.r, color.g, color.b, color.a); }
 
@@ -39,7 +39,7 @@ std::string fill_symbol(std::string_view name, const Rgba& fill, const Rgba& out
 std::string marker_symbol(std::string_view name, const Rgba& fill, double size_mm) {
   return symbol(
       "marker", name, "SimpleMarker",
-      {option("name", "circle"), option("color", color_text(fill)), option("outline_color", color_text(outline_grey)),
+      {option("name", "circle"), option("color", color_text(fill)), option("outline_color", color_text(kOutlineGrey)),
        option("outline_style", "solid"), option("outline_width", "0.1"), option("outline_width_unit", "MM"),
        option("size", fmt::format("{}", size_mm)), option("size_unit", "MM")});
 }
@@ -70,7 +70,7 @@ std::string vector_document(std::string_view renderer, std::string_view label_ex
   return fmt::format(
       "{}<qgis version=\"3.22.0\" styleCategories=\"AllStyleCategories\" labelsEnabled=\"{}\">\n"
       "{}{}{}<blendMode>0</blendMode>\n<layerOpacity>1</layerOpacity>\n</qgis>\n",
-      doctype, label_expression.empty() ? 0 : 1, temporal(date_column), renderer, labeling(label_expression));
+      kDoctype, label_expression.empty() ? 0 : 1, temporal(date_column), renderer, labeling(label_expression));
 }
 
 std::string single_symbol(const std::string& symbol_xml, std::string_view label_expression) {
@@ -107,7 +107,7 @@ std::string raster_style(const ColorScale& scale, std::string_view unit) {
       "{}</colorrampshader>\n</rastershader>\n</rasterrenderer>\n"
       "<brightnesscontrast brightness=\"0\" contrast=\"0\" gamma=\"1\"/>\n"
       "<rasterresampler maxOversampling=\"2\"/>\n</pipe>\n<blendMode>0</blendMode>\n</qgis>\n",
-      doctype, scale.low, scale.high, scale.low, scale.high, option("color1", color_text(stops.front())),
+      kDoctype, scale.low, scale.high, scale.low, scale.high, option("color1", color_text(stops.front())),
       option("color2", color_text(stops.back())), option("discrete", "0"), option("rampType", "gradient"),
       option("stops", middle_stops), items);
 }
@@ -124,7 +124,7 @@ std::string graduated_style(const Graduated& options) {
                           first ? -1e9 : low, last ? 1e9 : high, xml_escape(label));
     const Rgba color = color_at(options.scale, first ? options.scale.low : low + width / 2);
     const std::string name = std::to_string(i);
-    symbols += options.points ? marker_symbol(name, color, 1.4) : fill_symbol(name, color, outline_grey, 0.1);
+    symbols += options.points ? marker_symbol(name, color, 1.4) : fill_symbol(name, color, kOutlineGrey, 0.1);
   }
   const std::string order =
       options.date_column.empty()

@@ -15,7 +15,7 @@ namespace rayfield::formats {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view next_step = "check that the folder exists, is writable and has space";
+constexpr std::string_view kNext = "check that the folder exists, is writable and has space";
 
 std::string stage_prefix(const fs::path& target) {
   std::string prefix = target.filename().string();
@@ -50,16 +50,16 @@ struct LockedFolder {
 Result<LockedFolder> make_locked_folder(const fs::path& target, const fs::path& parent, std::string_view what) {
   for (int attempt = 0; attempt < 16; ++attempt) {
     std::string name = (parent / (stage_prefix(target) + "XXXXXX")).string();
-    if (::mkdtemp(name.data()) == nullptr) return fail_errno(errno, what, target.string(), next_step);
+    if (::mkdtemp(name.data()) == nullptr) return fail_errno(errno, what, target.string(), kNext);
     FileDescriptor lock = open_folder(name);
     if (!lock.valid() && errno == ENOENT) continue;
-    if (!lock.valid()) return fail_errno(errno, what, target.string(), next_step);
+    if (!lock.valid()) return fail_errno(errno, what, target.string(), kNext);
     struct stat status = {};
     // File systems without flock() give no protection against a second writer's cleaning, which then fails as well.
     ::flock(lock.get(), LOCK_EX);
     if (::fstat(lock.get(), &status) == 0 && status.st_nlink > 0) return LockedFolder{name, std::move(lock)};
   }
-  return fail_errno(EBUSY, what, target.string(), next_step);
+  return fail_errno(EBUSY, what, target.string(), kNext);
 }
 
 }  // namespace
@@ -102,17 +102,17 @@ std::string StagedOutput::path(std::string_view file_name) const { return folder
 
 Result<void> StagedOutput::publish(std::string_view file_name, const std::string& destination) const {
   const std::string source = path(file_name);
-  RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(source, what_, next_step));
-  RAYFIELD_CHECK(sync_file(file.descriptor, what_, source, next_step));
-  if (::rename(source.c_str(), destination.c_str()) != 0) return fail_errno(errno, what_, destination, next_step);
-  return sync_directory(parent_, what_, next_step);
+  RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(source, what_, kNext));
+  RAYFIELD_CHECK(sync_file(file.descriptor, what_, source, kNext));
+  if (::rename(source.c_str(), destination.c_str()) != 0) return fail_errno(errno, what_, destination, kNext);
+  return sync_directory(parent_, what_, kNext);
 }
 
 Result<void> write_bytes(const std::string& path, std::string_view bytes, std::string_view what) {
   FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.valid()) return fail_errno(errno, what, path, next_step);
-  RAYFIELD_CHECK(write_at(file, 0, std::as_bytes(std::span(bytes)), what, path, next_step));
-  if (const int error_number = file.close(); error_number != 0) return fail_errno(error_number, what, path, next_step);
+  if (!file.valid()) return fail_errno(errno, what, path, kNext);
+  RAYFIELD_CHECK(write_at(file, 0, std::as_bytes(std::span(bytes)), what, path, kNext));
+  if (const int error_number = file.close(); error_number != 0) return fail_errno(error_number, what, path, kNext);
   return {};
 }
 

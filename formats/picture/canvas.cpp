@@ -14,9 +14,9 @@
 namespace rayfield::formats {
 namespace {
 
-constexpr std::string_view what = "cannot draw picture";
-constexpr int max_side_px = 20000;
-constexpr const char* font_family = "DejaVu Sans";
+constexpr std::string_view kWhat = "cannot draw picture";
+constexpr int kMaxSide_px = 20000;
+constexpr const char* kFontFamily = "DejaVu Sans";
 
 void set_color(cairo_t* cairo, const Rgba& color) {
   cairo_set_source_rgba(cairo, color.r / 255.0, color.g / 255.0, color.b / 255.0, color.a / 255.0);
@@ -24,7 +24,7 @@ void set_color(cairo_t* cairo, const Rgba& color) {
 
 /// Fixed rendering of glyphs, whatever the user's desktop prefers: grey levels, no hinting.
 void set_font(cairo_t* cairo, const TextStyle& style) {
-  cairo_select_font_face(cairo, font_family, CAIRO_FONT_SLANT_NORMAL,
+  cairo_select_font_face(cairo, kFontFamily, CAIRO_FONT_SLANT_NORMAL,
                          style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, style.size_px);
   cairo_font_options_t* options = cairo_font_options_create();
@@ -82,9 +82,9 @@ Canvas& Canvas::operator=(Canvas&&) noexcept = default;
 Canvas::~Canvas() = default;
 
 Result<Canvas> Canvas::create(int width_px, int height_px, const Rgba& background) {
-  if (width_px < 1 || height_px < 1 || width_px > max_side_px || height_px > max_side_px) {
-    return fail(ErrorCode::usage, what, "", fmt::format("{} × {} pixels", width_px, height_px),
-                fmt::format("ask for 1 to {} pixels a side", max_side_px));
+  if (width_px < 1 || height_px < 1 || width_px > kMaxSide_px || height_px > kMaxSide_px) {
+    return fail(ErrorCode::usage, kWhat, "", fmt::format("{} × {} pixels", width_px, height_px),
+                fmt::format("ask for 1 to {} pixels a side", kMaxSide_px));
   }
   auto impl = std::make_unique<Impl>();
   impl->width = width_px;
@@ -92,7 +92,7 @@ Result<Canvas> Canvas::create(int width_px, int height_px, const Rgba& backgroun
   impl->surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width_px, height_px);
   impl->cairo = cairo_create(impl->surface);
   const cairo_status_t status = cairo_status(impl->cairo);
-  if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), what, "", cairo_status_to_string(status));
+  if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), kWhat, "", cairo_status_to_string(status));
   set_color(impl->cairo, background);
   cairo_paint(impl->cairo);
   cairo_set_line_join(impl->cairo, CAIRO_LINE_JOIN_ROUND);
@@ -221,7 +221,7 @@ Result<std::string> Canvas::png() const {
     cairo_surface_flush(impl_->surface);
     status = cairo_surface_write_to_png_stream(impl_->surface, append_bytes, &bytes);
   }
-  if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), what, "", cairo_status_to_string(status));
+  if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), kWhat, "", cairo_status_to_string(status));
   return bytes;
 }
 

@@ -22,13 +22,13 @@ constexpr Stops stops(const std::array<std::uint32_t, 11>& rgb) {
 }
 
 // Made in OKLCH (lightness, chroma and hue through chosen keys), sampled at equal CIE76 distances.
-constexpr Stops canopy_stops = stops(
+constexpr Stops kCanopyStops = stops(
     {0xfbf7e8, 0xfbefb6, 0xe8e27f, 0xa7ce5e, 0x66be66, 0x0daf7b, 0x079a8a, 0x077f8b, 0x015e82, 0x08417b, 0x1d1a5a});
-constexpr Stops height_stops = stops(
+constexpr Stops kHeightStops = stops(
     {0xfaf7e8, 0xf8f1c9, 0xf5e7a8, 0xf0d885, 0xe7c360, 0xd6a43f, 0xc28526, 0xad6716, 0x964d12, 0x7f3713, 0x672514});
-constexpr Stops uncertainty_stops = stops(
+constexpr Stops kUncertaintyStops = stops(
     {0xfbf6ee, 0xffe3cc, 0xffc9b1, 0xfeaf9e, 0xff9692, 0xf07e90, 0xd66a8f, 0xb8568a, 0x974080, 0x742871, 0x500b5d});
-constexpr Stops terrain_stops = stops(
+constexpr Stops kTerrainStops = stops(
     {0x0b4834, 0x225636, 0x3c6539, 0x56743d, 0x728344, 0x909451, 0xafa765, 0xc9ba80, 0xdecc9e, 0xefdebc, 0xfdf0dc});
 
 /// The smallest of 1, 2, 5 × 10ⁿ that is not below `value`.
@@ -45,15 +45,15 @@ double nice_above(double value) {
 std::span<const Rgba> ramp_stops(Ramp ramp) {
   switch (ramp) {
     case Ramp::height:
-      return height_stops;
+      return kHeightStops;
     case Ramp::uncertainty:
-      return uncertainty_stops;
+      return kUncertaintyStops;
     case Ramp::terrain:
-      return terrain_stops;
+      return kTerrainStops;
     case Ramp::canopy:
       break;
   }
-  return canopy_stops;
+  return kCanopyStops;
 }
 
 Rgba color_at(const ColorScale& scale, double value) {

@@ -14,7 +14,7 @@
 namespace rayfield::formats {
 
 using Eigen::Vector2d;
-using elements::picture_error;
+using elements::kPictureWhat;
 
 Result<void> PictureOptions::validate() const {
   const auto bad = [](std::string_view why) { return fail(ErrorCode::usage, "bad picture options", "", why); };
@@ -43,7 +43,7 @@ PlanOverlay block_overlay(const BlockProducts& block) {
     if (row.centreline.size() < 2) continue;
     const Vector2d start = row.centreline.front(), step = row.centreline[1] - start;
     const double length = step.norm();
-    TextStyle style{19, elements::ink, true, Align::middle, Align::middle, 0, 2.5};
+    TextStyle style{19, elements::kInk, true, Align::middle, Align::middle, 0, 2.5};
     overlay.labels.push_back(
         {length > 0 ? Vector2d(start - 0.9 / length * step) : start, std::to_string(row.row_number), style});
   }
@@ -56,12 +56,12 @@ PlanOverlay block_overlay(const BlockProducts& block) {
 
 Result<void> write_plan_picture(const RasterProduct& raster, const PlanOverlay& overlay, const std::string& path,
                                 const PictureOptions& options) {
-  return guarded(picture_error, path, [&]() -> Result<void> {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
     const Grid2<float>& grid = raster.grid;
     const auto cells = static_cast<std::size_t>(std::max(grid.nx, 0)) * static_cast<std::size_t>(std::max(grid.ny, 0));
     if (cells == 0 || grid.values.size() != cells || !(grid.cell_m > 0)) {
-      return fail(ErrorCode::internal, picture_error, path, "the raster has no cells or its size is inconsistent");
+      return fail(ErrorCode::internal, kPictureWhat, path, "the raster has no cells or its size is inconsistent");
     }
     const auto [low, high] = value_range(grid);
     const ColorScale scale = options.scale.value_or(product_scale(raster.name, low, high));
@@ -70,7 +70,7 @@ Result<void> write_plan_picture(const RasterProduct& raster, const PlanOverlay& 
 }
 
 Result<void> write_plan_picture(const PlanOverlay& overlay, const std::string& path, const PictureOptions& options) {
-  return guarded(picture_error, path, [&]() -> Result<void> {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
     return draw_plan({nullptr, overlay, options, {}, {}}, path);
   });
@@ -78,7 +78,7 @@ Result<void> write_plan_picture(const PlanOverlay& overlay, const std::string& p
 
 Result<void> write_section_picture(std::span<const LabelledSection> sections, const std::string& path,
                                    const PictureOptions& options) {
-  return guarded(picture_error, path, [&]() -> Result<void> {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
     return draw_sections(sections, path, options);
   });

@@ -8,7 +8,7 @@ namespace rayfield::formats::elements {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double title_px = 34, subtitle_px = 21, tick_px = 18;
+constexpr double kTitle_px = 34, kSubtitle_px = 21, kTick_px = 18;
 
 double tick_step(const std::vector<double>& ticks) { return ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0; }
 
@@ -16,20 +16,20 @@ double tick_step(const std::vector<double>& ticks) { return ticks.size() > 1 ? t
 
 double header_height(const PictureOptions& options, double margin_px, double unit_px) {
   double y = margin_px;
-  if (!options.title.empty()) y += (0.73 * title_px + 18) * unit_px;
-  if (!options.subtitle.empty()) y += (0.73 * subtitle_px + 18) * unit_px;
+  if (!options.title.empty()) y += (0.73 * kTitle_px + 18) * unit_px;
+  if (!options.subtitle.empty()) y += (0.73 * kSubtitle_px + 18) * unit_px;
   return y;
 }
 
 double header(Canvas& canvas, const PictureOptions& options, double margin_px, double unit_px) {
   double y = margin_px;
-  TextStyle style{title_px * unit_px, ink, true, Align::start, Align::start};
+  TextStyle style{kTitle_px * unit_px, kInk, true, Align::start, Align::start};
   if (!options.title.empty()) {
     canvas.text({margin_px, y}, options.title, style);
-    y += (0.73 * title_px + 18) * unit_px;
+    y += (0.73 * kTitle_px + 18) * unit_px;
   }
   if (!options.subtitle.empty()) {
-    style = {subtitle_px * unit_px, grey, false, Align::start, Align::start};
+    style = {kSubtitle_px * unit_px, kGrey, false, Align::start, Align::start};
     canvas.text({margin_px, y}, options.subtitle, style);
   }
   return header_height(options, margin_px, unit_px);
@@ -86,15 +86,15 @@ void vertical_bar(Canvas& canvas, const ColorScale& scale, const Vector2d& corne
     canvas.polygon(triangle, color_at(scale, scale.low));
     outline.push_back(triangle[1]);
   }
-  canvas.polyline(outline, {frame_grey, 1.2 * unit_px, 0}, true);
+  canvas.polyline(outline, {kFrameGrey, 1.2 * unit_px, 0}, true);
   const std::vector<double> ticks =
       nice_ticks(scale.low, scale.high, std::clamp(height / static_cast<int>(50 * unit_px), 2, 8));
   for (const double tick : ticks) {
     const double ty = y + height * (scale.high - tick) / (scale.high - scale.low);
     const std::array<Vector2d, 2> mark = {Vector2d(x + width, ty), Vector2d(x + width + 7 * unit_px, ty)};
-    canvas.polyline(mark, {grey, 1.2 * unit_px, 0});
+    canvas.polyline(mark, {kGrey, 1.2 * unit_px, 0});
     canvas.text({x + width + 12 * unit_px, ty}, tick_text(tick, tick_step(ticks)),
-                {tick_px * unit_px, ink, false, Align::start, Align::middle});
+                {kTick_px * unit_px, kInk, false, Align::start, Align::middle});
   }
 }
 
@@ -122,15 +122,15 @@ void horizontal_bar(Canvas& canvas, const ColorScale& scale, const Vector2d& cor
     canvas.polygon(triangle, color_at(scale, scale.low));
     outline.push_back(triangle[1]);
   }
-  canvas.polyline(outline, {frame_grey, 1.2 * unit_px, 0}, true);
+  canvas.polyline(outline, {kFrameGrey, 1.2 * unit_px, 0}, true);
   const std::vector<double> ticks =
       nice_ticks(scale.low, scale.high, std::clamp(width / static_cast<int>(60 * unit_px), 2, 8));
   for (const double tick : ticks) {
     const double tx = x + width * (tick - scale.low) / (scale.high - scale.low);
     const std::array<Vector2d, 2> mark = {Vector2d(tx, y + height), Vector2d(tx, y + height + 6 * unit_px)};
-    canvas.polyline(mark, {grey, 1.2 * unit_px, 0});
+    canvas.polyline(mark, {kGrey, 1.2 * unit_px, 0});
     canvas.text({tx, y + height + 11 * unit_px}, tick_text(tick, tick_step(ticks)),
-                {tick_px * unit_px, ink, false, Align::middle, Align::start});
+                {kTick_px * unit_px, kInk, false, Align::middle, Align::start});
   }
 }
 
@@ -138,7 +138,7 @@ double not_scanned_key(Canvas& canvas, const Vector2d& corner, double unit_px) {
   const Vector2d size(34 * unit_px, 22 * unit_px);
   canvas.hatch(corner, size);
   frame(canvas, corner, size, unit_px);
-  const TextStyle style{tick_px * unit_px, ink, false, Align::start, Align::middle};
+  const TextStyle style{kTick_px * unit_px, kInk, false, Align::start, Align::middle};
   canvas.text(corner + Vector2d(size.x() + 12 * unit_px, size.y() / 2), "not scanned", style);
   return size.x() + 12 * unit_px + canvas.text_width_px("not scanned", style);
 }
@@ -155,12 +155,12 @@ void scale_bar(Canvas& canvas, const Vector2d& corner, double px_per_m, double m
   const double length_px = length_m * px_per_m, height = 8 * unit_px;
   const Vector2d top = corner - Vector2d(0, height);
   canvas.rectangle(top, {length_px, height}, {255, 255, 255, 255});
-  canvas.rectangle(top, {length_px / 2, height}, ink);
+  canvas.rectangle(top, {length_px / 2, height}, kInk);
   const std::array<Vector2d, 4> outline = {top, top + Vector2d(length_px, 0), top + Vector2d(length_px, height),
                                            corner};
-  canvas.polyline(outline, {ink, 1.4 * unit_px, 0}, true);
+  canvas.polyline(outline, {kInk, 1.4 * unit_px, 0}, true);
   canvas.text(top + Vector2d(length_px / 2, -8 * unit_px), tick_text(length_m, length_m) + " m",
-              {tick_px * unit_px, ink, false, Align::middle, Align::end});
+              {kTick_px * unit_px, kInk, false, Align::middle, Align::end});
 }
 
 void north_arrow(Canvas& canvas, const Vector2d& foot, double height_px) {
@@ -168,17 +168,17 @@ void north_arrow(Canvas& canvas, const Vector2d& foot, double height_px) {
   const Vector2d tip = foot - Vector2d(0, arrow), notch = foot - Vector2d(0, 0.22 * arrow);
   const std::array<Vector2d, 3> left = {tip, notch, foot + Vector2d(-half, 0)};
   const std::array<Vector2d, 3> right = {tip, notch, foot + Vector2d(half, 0)};
-  canvas.polygon(left, ink);
+  canvas.polygon(left, kInk);
   canvas.polygon(right, {255, 255, 255, 255});
-  canvas.polyline(right, {ink, 0.025 * height_px, 0}, true);
-  canvas.polyline(left, {ink, 0.025 * height_px, 0}, true);
-  canvas.text(tip - Vector2d(0, 0.1 * height_px), "N", {0.3 * height_px, ink, true, Align::middle, Align::end});
+  canvas.polyline(right, {kInk, 0.025 * height_px, 0}, true);
+  canvas.polyline(left, {kInk, 0.025 * height_px, 0}, true);
+  canvas.text(tip - Vector2d(0, 0.1 * height_px), "N", {0.3 * height_px, kInk, true, Align::middle, Align::end});
 }
 
 void frame(Canvas& canvas, const Vector2d& corner, const Vector2d& size, double unit_px) {
   const std::array<Vector2d, 4> outline = {corner, corner + Vector2d(size.x(), 0), corner + size,
                                            corner + Vector2d(0, size.y())};
-  canvas.polyline(outline, {frame_grey, 1.2 * unit_px, 0}, true);
+  canvas.polyline(outline, {kFrameGrey, 1.2 * unit_px, 0}, true);
 }
 
 }  // namespace rayfield::formats::elements

@@ -15,8 +15,8 @@
 /// design pixel: pictures are designed 1600 px wide.
 namespace rayfield::formats::elements {
 
-inline constexpr Rgba ink{38, 42, 46, 255}, grey{110, 116, 122, 255}, frame_grey{150, 156, 162, 255};
-inline constexpr std::string_view picture_error = "cannot write picture";
+inline constexpr Rgba kInk{38, 42, 46, 255}, kGrey{110, 116, 122, 255}, kFrameGrey{150, 156, 162, 255};
+inline constexpr std::string_view kPictureWhat = "cannot write picture";
 
 /// Title and subtitle from the top left corner; returns the y below them.
 double header(Canvas& canvas, const PictureOptions& options, double margin_px, double unit_px);

@@ -13,7 +13,7 @@ namespace rayfield::formats {
 namespace {
 
 using Eigen::Vector2d;
-using elements::picture_error;
+using elements::kPictureWhat;
 
 /// Where everything goes, px.
 struct Layout {
@@ -113,7 +113,7 @@ Axis axis_ticks(double low_m, double high_m, double step_m, double label_px, dou
 
 void draw_axes(Canvas& canvas, const Layout& layout, bool grid_lines) {
   const double unit = layout.unit;
-  const StrokeStyle mark{elements::frame_grey, 1.2 * unit, 0}, line{{226, 229, 232, 255}, 1 * unit, 0};
+  const StrokeStyle mark{elements::kFrameGrey, 1.2 * unit, 0}, line{{226, 229, 232, 255}, 1 * unit, 0};
   const Vector2d corner = layout.map_corner, size = layout.map_size;
   const PlaneBox& window = layout.window;
   // One step for both axes, so that grid lines make squares.
@@ -121,7 +121,7 @@ void draw_axes(Canvas& canvas, const Layout& layout, bool grid_lines) {
   const auto steps =
       nice_ticks(0, window.size().minCoeff(), std::max(1, static_cast<int>(size.minCoeff() / (1.6 * label_px))));
   const double step_m = steps.size() > 1 ? steps[1] : 1;
-  TextStyle style{15 * unit, elements::grey, false, Align::middle, Align::start};
+  TextStyle style{15 * unit, elements::kGrey, false, Align::middle, Align::start};
   const Axis eastings = axis_ticks(window.low.x(), window.high.x(), step_m, label_px, layout.px_per_m);
   for (const double easting : eastings.ticks) {
     const double x = layout.px({easting, window.low.y()}).x(), y = corner.y() + size.y();
@@ -172,14 +172,15 @@ void draw_column(Canvas& canvas, const Layout& layout, const Plan& plan) {
   const double unit = layout.unit, x = layout.column_x, bottom = layout.map_corner.y() + layout.map_size.y();
   double y = layout.map_corner.y();
   if (plan.raster != nullptr) {
-    const TextStyle heading{20 * unit, elements::ink, true, Align::start, Align::start};
+    const TextStyle heading{20 * unit, elements::kInk, true, Align::start, Align::start};
     const std::string text =
         plan.options.legend.empty() ? elements::product_title(plan.raster->name) : plan.options.legend;
     for (const std::string& line : elements::wrap(canvas, text, heading, layout.column_width)) {
       canvas.text({x, y}, line, heading);
       y += 27 * unit;
     }
-    canvas.text({x, y}, pretty_unit(plan.raster->unit), {20 * unit, elements::grey, false, Align::start, Align::start});
+    canvas.text({x, y}, pretty_unit(plan.raster->unit),
+                {20 * unit, elements::kGrey, false, Align::start, Align::start});
     y += 44 * unit;
     const double below = (190 + 30 * static_cast<double>(plan.overlay.keys.size())) * unit;
     const double bar = std::clamp(bottom - y - below, 60 * unit, 420 * unit);
@@ -197,7 +198,7 @@ void draw_column(Canvas& canvas, const Layout& layout, const Plan& plan) {
       canvas.polyline(std::array<Vector2d, 2>{Vector2d(x, middle), Vector2d(x + 34 * unit, middle)}, style);
     }
     for (const PlanMarker& marker : key.markers) draw_marker(canvas, {x + 17 * unit, middle}, marker, 1.5 * unit);
-    canvas.text({x + 46 * unit, middle}, key.text, {18 * unit, elements::ink, false, Align::start, Align::middle});
+    canvas.text({x + 46 * unit, middle}, key.text, {18 * unit, elements::kInk, false, Align::start, Align::middle});
     y += 30 * unit;
   }
   elements::scale_bar(canvas, {x + unit, bottom - unit}, layout.px_per_m, layout.column_width - 75 * unit, unit);
@@ -209,7 +210,7 @@ void draw_column(Canvas& canvas, const Layout& layout, const Plan& plan) {
 Result<void> draw_plan(const Plan& plan, const std::string& path) {
   PlaneBox wanted;
   if (!find_window(plan, wanted)) {
-    return fail(ErrorCode::usage, picture_error, path,
+    return fail(ErrorCode::usage, kPictureWhat, path,
                 "there is nothing to draw, or a coordinate is not finite or beyond 1e9 m");
   }
   const Layout layout = arrange(plan, wanted);

@@ -13,7 +13,7 @@ namespace rayfield::formats {
 namespace {
 
 using Eigen::Vector2d;
-using elements::picture_error;
+using elements::kPictureWhat;
 
 /// Part of one section, drawn in one piece.
 struct Piece {
@@ -118,12 +118,12 @@ void draw_height_axis(Canvas& canvas, const Stack& stack, const Piece& piece) {
   for (const double tick : ticks) {
     const double y = piece.corner.y() + stack.px_per_m * (stack.high_m - tick), x = piece.corner.x();
     canvas.polyline(std::array<Vector2d, 2>{Vector2d(x - 6 * unit, y), Vector2d(x, y)},
-                    {elements::frame_grey, 1.2 * unit, 0});
+                    {elements::kFrameGrey, 1.2 * unit, 0});
     canvas.text({x - 11 * unit, y}, tick_text(tick, ticks.size() > 1 ? ticks[1] - ticks[0] : 1),
-                {15 * unit, elements::grey, false, Align::end, Align::middle});
+                {15 * unit, elements::kGrey, false, Align::end, Align::middle});
   }
   canvas.text({stack.margin + 4 * unit, piece.corner.y() + stack.drawing_height() / 2}, "height, m",
-              {14 * unit, elements::grey, false, Align::middle, Align::middle, M_PI / 2, 0});
+              {14 * unit, elements::kGrey, false, Align::middle, Align::middle, M_PI / 2, 0});
 }
 
 void draw_distance_axis(Canvas& canvas, const Stack& stack, const Piece& piece) {
@@ -136,9 +136,9 @@ void draw_distance_axis(Canvas& canvas, const Stack& stack, const Piece& piece) 
     const double x = piece.corner.x() + stack.px_per_m * (tick - piece.begin_m);
     const bool last = tick + step > piece.end_m + slack;
     canvas.polyline(std::array<Vector2d, 2>{Vector2d(x, y), Vector2d(x, y + 6 * unit)},
-                    {elements::frame_grey, 1.2 * unit, 0});
+                    {elements::kFrameGrey, 1.2 * unit, 0});
     canvas.text({x, y + 11 * unit}, tick_text(tick, step) + (last ? " m" : ""),
-                {15 * unit, elements::grey, false, Align::middle, Align::start});
+                {15 * unit, elements::kGrey, false, Align::middle, Align::start});
   }
 }
 
@@ -164,7 +164,7 @@ void draw_piece(Canvas& canvas, const Stack& stack, const Piece& piece, const Co
   const std::string label = piece.continued ? piece.source->label + " (continued)" : piece.source->label;
   canvas.text(
       piece.corner - Vector2d(0, 9 * unit), label,
-      {18 * unit, piece.continued ? elements::grey : elements::ink, !piece.continued, Align::start, Align::end});
+      {18 * unit, piece.continued ? elements::kGrey : elements::kInk, !piece.continued, Align::start, Align::end});
   draw_distance_axis(canvas, stack, piece);
   if (piece.first_in_line) draw_height_axis(canvas, stack, piece);
 }
@@ -176,7 +176,7 @@ void draw_legend(Canvas& canvas, const Stack& stack, const SectionProduct& secti
   const double x = stack.width - stack.margin - width - 12 * unit, y = stack.margin;
   const std::string meaning = options.legend.empty() ? elements::product_title(section.name) : options.legend;
   canvas.text({x, y}, meaning + ", " + pretty_unit(section.unit),
-              {17 * unit, elements::ink, false, Align::start, Align::start});
+              {17 * unit, elements::kInk, false, Align::start, Align::start});
   elements::horizontal_bar(canvas, scale, {x, y + 24 * unit}, {width, 22 * unit}, ends, unit);
   elements::not_scanned_key(canvas, {x - 190 * unit, y + 24 * unit}, unit);
 }
@@ -188,14 +188,14 @@ Result<void> check_section(const LabelledSection& labelled, const std::string& p
                     section->grid.values.size() ==
                         static_cast<std::size_t>(section->grid.nx) * static_cast<std::size_t>(section->grid.ny);
   if (good) return {};
-  return fail(ErrorCode::internal, picture_error, path, "a section has no cells or its size is inconsistent");
+  return fail(ErrorCode::internal, kPictureWhat, path, "a section has no cells or its size is inconsistent");
 }
 
 }  // namespace
 
 Result<void> draw_sections(std::span<const LabelledSection> sections, const std::string& path,
                            const PictureOptions& options) {
-  if (sections.empty()) return fail(ErrorCode::usage, picture_error, path, "there are no sections to draw");
+  if (sections.empty()) return fail(ErrorCode::usage, kPictureWhat, path, "there are no sections to draw");
   double low = std::numeric_limits<double>::quiet_NaN(), high = low;
   for (const LabelledSection& s : sections) {
     RAYFIELD_CHECK(check_section(s, path));
