@@ -8,6 +8,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <span>
+#include <string>
 
 #include "formats/gis/gdal_session.h"
 #include "formats/gis/qml.h"
@@ -15,6 +17,7 @@
 #include "formats/io/guard.h"
 #include "formats/io/staged_output.h"
 #include "formats/io/text_escape.h"
+#include "rayfield/core/file.h"
 #include "rayfield/core/sha256.h"
 
 namespace rayfield::formats {
@@ -184,7 +187,8 @@ Result<void> publish_all(const Job& job, const std::string& file, const RasterSt
   if (job.options.write_style) {
     const ColorScale scale =
         job.options.scale.value_or(product_scale(job.layout.name, statistics.minimum(), statistics.maximum()));
-    RAYFIELD_CHECK(write_bytes(job.staged.path("style.qml"), qml::raster_style(scale, job.layout.unit), kWhat));
+    const std::string style = qml::raster_style(scale, job.layout.unit);
+    RAYFIELD_CHECK(write_whole_file(job.staged.path("style.qml"), std::as_bytes(std::span(style)), kWhat));
   }
   // GDAL would prefer an older file's sidecar statistics to those inside the new one.
   std::error_code ignored;

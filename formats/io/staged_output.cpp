@@ -108,17 +108,9 @@ Result<void> StagedOutput::publish(std::string_view file_name, const std::string
   return sync_directory(parent_, what_, kNext);
 }
 
-Result<void> write_bytes(const std::string& path, std::string_view bytes, std::string_view what) {
-  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.valid()) return fail_errno(errno, what, path, kNext);
-  RAYFIELD_CHECK(write_at(file, 0, std::as_bytes(std::span(bytes)), what, path, kNext));
-  if (const int error_number = file.close(); error_number != 0) return fail_errno(error_number, what, path, kNext);
-  return {};
-}
-
 Result<void> write_file_atomically(const std::string& target, std::string_view bytes, std::string_view what) {
   RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(target, what));
-  RAYFIELD_CHECK(write_bytes(staged.path("file"), bytes, what));
+  RAYFIELD_CHECK(write_whole_file(staged.path("file"), std::as_bytes(std::span(bytes)), what, kNext));
   return staged.publish("file");
 }
 

@@ -39,9 +39,6 @@ class StagedOutput {
   FileDescriptor lock_;  ///< of the private folder
 };
 
-/// Writes all bytes to `path` (created or truncated); checks write and close. publish() syncs.
-Result<void> write_bytes(const std::string& path, std::string_view bytes, std::string_view what);
-
 /// Stages and publishes one small text or image file.
 Result<void> write_file_atomically(const std::string& target, std::string_view bytes, std::string_view what);
 
