@@ -20,7 +20,7 @@ struct ProcessArguments {
 Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, const Context& context) {
   density::ProcessOptions options = arguments.options;
   if (arguments.voxel_m) {
-    options.stretches = density::with_voxel_size(options.stretches, *arguments.voxel_m);
+    options.segments = density::with_voxel_size(options.segments, *arguments.voxel_m);
     options.voxel_fit.enabled = false;
   }
   if (arguments.panel_length_m > 0) options.posts.panel_length_m = arguments.panel_length_m;
@@ -58,13 +58,13 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
                                      {"plant_area_m2", scan.plant_area_m2},
-                                     {"leaf_size_cm2", 1e4 * scan.element_area_m2},
+                                     {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
                                      {"voxel_m", scan.voxel_m},
                                      {"files_made", scan.files_made},
                                      {"files_kept", scan.files_kept},
                                      {"notes", scan.notes}});
     outcome.text += fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
-                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.element_area_m2, 100 * scan.voxel_m,
+                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m,
                                 scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }
@@ -88,7 +88,7 @@ void add_process_verb(Commands& commands) {
   command->add_option("--estimator", arguments->estimator, "unbiased, or paper (the published method)")
       ->capture_default_str();
   command
-      ->add_option("--leaf-area", options.estimator.leaf_area_m2,
+      ->add_option("--leaf-area", options.estimator.leaf_size_m2,
                    "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan")
       ->capture_default_str();
   command

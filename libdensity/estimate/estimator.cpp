@@ -15,8 +15,8 @@ Result<Estimator> parse_estimator(std::string_view name) {
 std::string_view estimator_name(Estimator estimator) { return estimator == Estimator::paper ? "paper" : "unbiased"; }
 
 Result<void> EstimatorOptions::validate() const {
-  if (!(leaf_area_m2 <= 0.05))
-    return fail(ErrorCode::usage, "bad density option", "leaf_area_m2", "must be at most 0.05 m²",
+  if (!(leaf_size_m2 <= 0.05))
+    return fail(ErrorCode::usage, "bad density option", "leaf_size_m2", "must be at most 0.05 m²",
                 "give the area of one leaf in m², 0 for none, or leave it to be measured");
   if (paper_min_rays < 1 || paper_min_rays > 1000)
     return fail(ErrorCode::usage, "bad density option", "paper_min_rays", "must lie in 1…1000", "the paper has 10");

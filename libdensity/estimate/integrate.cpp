@@ -163,8 +163,8 @@ std::vector<RowMetreProduct> row_metres(const RowDensity& row, double row_length
     m.chainage_m = (k + 0.5) * step;
     const auto after = std::upper_bound(row.chainage_m.begin(), row.chainage_m.end(), m.chainage_m);
     const int along = std::max(0, static_cast<int>(after - row.chainage_m.begin()) - 1);
-    const Stretch& stretch = row.stretch(along);
-    m.position = stretch.origin + (m.chainage_m - stretch.chainage_m) * stretch.direction;
+    const RowSegment& row_segment = row.row_segment(along);
+    m.position = row_segment.origin + (m.chainage_m - row_segment.chainage_m) * row_segment.direction;
     const bool seen = s.observed > 0;
     m.leaf_area_per_m = seen ? s.leaf / step : kNaN;
     m.plant_area_per_m = seen ? s.plant / step : kNaN;

@@ -40,7 +40,7 @@ double polygon_area(const Polygon& p) {
 }
 
 std::array<Eigen::Vector2d, 4> column_square(const RowDensity& row, int along, int across) {
-  const Eigen::Vector2d center = row.center(along, across), u = row.stretch(along).direction * (row.voxel_m / 2);
+  const Eigen::Vector2d center = row.center(along, across), u = row.row_segment(along).direction * (row.voxel_m / 2);
   const Eigen::Vector2d v(-u.y(), u.x());
   return {center - u - v, center + u - v, center + u + v, center - u + v};
 }
@@ -84,11 +84,11 @@ double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vecto
   return polygon_area(p);
 }
 
-Result<PlanRaster> PlanRaster::create(std::span<const Stretch> stretches, const PlanRasterOptions& options) {
+Result<PlanRaster> PlanRaster::create(std::span<const RowSegment> row_segments, const PlanRasterOptions& options) {
   RAYFIELD_CHECK(options.validate());
-  if (stretches.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
+  if (row_segments.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
   Eigen::AlignedBox2d box;
-  for (const Stretch& s : stretches) {
+  for (const RowSegment& s : row_segments) {
     const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
     for (const double a : {0.0, s.n_along * s.voxel_m})
       for (const double c : {s.across_min_m, s.across_min_m + s.n_across * s.voxel_m})

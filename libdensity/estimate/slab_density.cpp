@@ -43,7 +43,7 @@ struct Slab {
 };
 
 Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const std::vector<double>& weight,
-             const ElementShadow& shadow, int along, int across, int up) {
+             const LeafShadow& shadow, int along, int across, int up) {
   Slab out;
   double lit = 0, count = 0;  // Σ w·P, N
   for_slab(r, along, across, up, [&](std::size_t i) {
@@ -62,9 +62,9 @@ Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const
 }  // namespace
 
 void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
-  const ElementShadow shadow = element_shadow(r.leaf_area_m2, r.voxel_m);
+  const LeafShadow shadow = leaf_shadow(r.leaf_size_m2, r.voxel_m);
   const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
-  const double whole_leaves = 0.5 * r.leaf_area_m2 / (r.voxel_m * r.voxel_m);
+  const double whole_leaves = 0.5 * r.leaf_size_m2 / (r.voxel_m * r.voxel_m);
   const std::vector<double> weight = weights_of(r, counters);
   std::vector<double> inverse(counters.size(), 0);  // 1/D of the slabs that are shared out
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {

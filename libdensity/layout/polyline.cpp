@@ -32,8 +32,8 @@ LinePoint point_at(std::span<const Eigen::Vector2d> line, double chainage_m) {
   return {line.empty() ? Eigen::Vector2d::Zero() : line.front(), Eigen::Vector2d::UnitX()};
 }
 
-Foot project(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p) {
-  Foot best;
+LineProjection project_onto_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p) {
+  LineProjection best;
   double best_distance = std::numeric_limits<double>::infinity(), chainage = 0;
   const std::size_t n = line.size();
   for (std::size_t i = 1; i < n; ++i) {

@@ -39,13 +39,13 @@ StemAccumulator::StemAccumulator(tile::TileIndex index, double tile_size_m, cons
   for (const auto& reach : impl_->locator.reaches()) {
     StemGrid grid;
     grid.row = reach.row;
-    grid.cell_m = options.cell_m, grid.slab_m = options.slab_m, grid.half_width_m = options.half_width_m;
+    grid.cell_m = options.cell_m, grid.layer_m = options.layer_m, grid.half_width_m = options.half_width_m;
     grid.first_along = static_cast<int>(std::floor((reach.start_m - kBeyond) / options.cell_m));
     grid.n_along = static_cast<int>(std::ceil((reach.end_m + kBeyond) / options.cell_m)) - grid.first_along;
     grid.n_across = static_cast<int>(std::lround(2 * options.half_width_m / options.cell_m));
-    grid.n_slabs = static_cast<int>(std::lround(options.top_m / options.slab_m));
+    grid.n_layers = static_cast<int>(std::lround(options.top_m / options.layer_m));
     grid.counts.assign(static_cast<std::size_t>(grid.n_along) * static_cast<std::size_t>(grid.n_across) *
-                           static_cast<std::size_t>(grid.n_slabs),
+                           static_cast<std::size_t>(grid.n_layers),
                        0);
     impl_->grid_of_row[static_cast<std::size_t>(reach.row)] = static_cast<int>(impl_->grids.size());
     impl_->grids.push_back(std::move(grid));
@@ -66,14 +66,14 @@ void StemAccumulator::add(const tile::SegmentBatch& segments) {
     const auto ground = impl_->ground->height(p.x(), p.y());
     if (!ground) continue;
     StemGrid& grid = impl_->grids[static_cast<std::size_t>(impl_->grid_of_row[static_cast<std::size_t>(place->row)])];
-    const int slab = static_cast<int>(std::floor((p.z() - *ground) / grid.slab_m));
+    const int layer = static_cast<int>(std::floor((p.z() - *ground) / grid.layer_m));
     const int a = static_cast<int>(std::floor(place->chainage_m / grid.cell_m)) - grid.first_along;
     const int c = static_cast<int>(std::floor((place->across_m + grid.half_width_m) / grid.cell_m));
-    if (slab < 0 || slab >= grid.n_slabs || a < 0 || a >= grid.n_along || c < 0 || c >= grid.n_across) continue;
+    if (layer < 0 || layer >= grid.n_layers || a < 0 || a >= grid.n_along || c < 0 || c >= grid.n_across) continue;
     std::uint8_t& cell = grid.counts[(static_cast<std::size_t>(a) * static_cast<std::size_t>(grid.n_across) +
                                       static_cast<std::size_t>(c)) *
-                                         static_cast<std::size_t>(grid.n_slabs) +
-                                     static_cast<std::size_t>(slab)];
+                                         static_cast<std::size_t>(grid.n_layers) +
+                                     static_cast<std::size_t>(layer)];
     if (cell < 255) ++cell;
   }
 }

@@ -50,8 +50,8 @@ Result<BlockLayout> load_layout(const tile::Store& store, const tile::Snapshot& 
   return BlockLayout{};
 }
 
-Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan& surveyed,
-                                             tile::Store::DerivedWriter& writer, BlockLayout& block) {
+Result<void> adopt_layout(ScanWork& work, const SurveyedScan& surveyed, tile::Store::DerivedWriter& writer,
+                          BlockLayout& block) {
   KeyBuilder key(parameters_of(work.options), kLayoutVersion);
   for (const tile::TileEntry& entry : work.scan.tiles) key.add(entry.content_sha256());
   Derivation registry(work.store, writer, "", work.options.redo);

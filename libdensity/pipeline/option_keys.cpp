@@ -27,19 +27,19 @@ KeyBuilder& add_options(KeyBuilder& key, const CanopyMapOptions& o) {
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const RowOptions& o) {
-  return add_numbers(key, {o.drives.spacing_m, o.drives.min_length_m, o.drives.min_radius_m, o.drives.max_jump_m,
+  return add_numbers(key, {o.passes.spacing_m, o.passes.min_length_m, o.passes.min_radius_m, o.passes.max_jump_m,
                            o.min_offset_m, o.max_offset_m, o.half_width_m, o.max_gap_m, o.min_length_m, o.min_cover,
                            o.min_strength_share, o.max_tall_share, o.max_lane_share, o.smoothing_m});
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const PostOptions& o) {
-  return add_numbers(key, {o.half_width_m, o.cell_m, o.slab_m, o.top_m, o.low_min_m, o.low_max_m, o.min_contrast,
+  return add_numbers(key, {o.half_width_m, o.cell_m, o.layer_m, o.top_m, o.low_min_m, o.low_max_m, o.min_contrast,
                            o.min_post_height_m, o.min_panel_m, o.max_panel_m, o.smoothing_m,
                            o.panel_length_m.value_or(std::numeric_limits<double>::infinity())});
 }
 
-KeyBuilder& add_options(KeyBuilder& key, const StretchOptions& o) {
-  return add_numbers(key, {o.voxel_m, static_cast<double>(o.voxels_per_stretch), o.up_min_m, o.across_low,
+KeyBuilder& add_options(KeyBuilder& key, const RowSegmentOptions& o) {
+  return add_numbers(key, {o.voxel_m, static_cast<double>(o.voxels_per_segment), o.up_min_m, o.across_low,
                            o.across_high, o.up_high, static_cast<double>(o.widen_voxels), o.min_half_width_m,
                            o.min_height_m, o.max_height_m, o.lone_half_width_m});
 }
@@ -55,7 +55,7 @@ KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& o) {
 
 KeyBuilder& add_options(KeyBuilder& key, const EstimatorOptions& o) {
   return add_numbers(
-      key, {static_cast<double>(o.estimator), o.leaf_area_m2, static_cast<double>(o.paper_min_rays), o.shared_error});
+      key, {static_cast<double>(o.estimator), o.leaf_size_m2, static_cast<double>(o.paper_min_rays), o.shared_error});
 }
 
 KeyBuilder& add_options(KeyBuilder& key, const IntegrationOptions& o) {

@@ -11,7 +11,7 @@ KeyBuilder& add_options(KeyBuilder& key, const GroundOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const CanopyMapOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const RowOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const PostOptions& options);
-KeyBuilder& add_options(KeyBuilder& key, const StretchOptions& options);
+KeyBuilder& add_options(KeyBuilder& key, const RowSegmentOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const VoxelOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const VoxelFitOptions& options);
 KeyBuilder& add_options(KeyBuilder& key, const EstimatorOptions& options);

@@ -34,7 +34,8 @@ class VoxelCache {
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_.files.read("voxels", tile_name(index)));
     RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
     std::size_t size = 0;
-    for (const StretchVoxels& stretch : voxels.stretches) size += stretch.voxels.size() * sizeof(VoxelCounters);
+    for (const RowSegmentVoxels& row_segment : voxels.row_segments)
+      size += row_segment.voxels.size() * sizeof(VoxelCounters);
     kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
     used_ += size;
     while (used_ > bytes_ && kept_.size() > 1) {
@@ -141,33 +142,33 @@ RasterProduct ground_raster(const GroundModel& ground, const Grid2<float>& block
 }
 
 Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                           const StretchList& list, std::span<const WoodCylinder> wood,
+                           const RowSegmentList& list, std::span<const WoodCylinder> wood,
                            std::span<const tile::TileIndex> tiles) {
   ScanMaps maps;
   VoxelCache cache(work, work.options.memory_bytes / 8);
-  ElementPairs pairs;
+  LeafSizePairs pairs;
   std::map<int, std::vector<tile::TileIndex>> tiles_of_row;
   for (const tile::TileIndex index : tiles) {
     RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
     pairs += voxels->pairs;
-    for (const StretchVoxels& stretch : voxels->stretches) {
-      std::vector<tile::TileIndex>& of_row = tiles_of_row[stretch.stretch.row];
+    for (const RowSegmentVoxels& row_segment : voxels->row_segments) {
+      std::vector<tile::TileIndex>& of_row = tiles_of_row[row_segment.row_segment.row];
       if (of_row.empty() || of_row.back() != index) of_row.push_back(index);
     }
   }
-  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.stretches, work.options.plan));
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     if (tiles_of_row.count(row.number) == 0) continue;
     RAYFIELD_ASSIGN(RowDensityBuilder builder,
-                    RowDensityBuilder::create(row.number, list.stretches, wood, pairs, work.options.estimator));
+                    RowDensityBuilder::create(row.number, list.row_segments, wood, pairs, work.options.estimator));
     for (const tile::TileIndex index : tiles_of_row[row.number]) {
       RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
       RAYFIELD_CHECK(builder.add(*voxels));
     }
     const RowDensity density = std::move(builder).finish();
-    maps.results.element_area_m2 = density.leaf_area_m2;
+    maps.results.element_area_m2 = density.leaf_size_m2;
     RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
     plan.add(density);
     work.progress.advance(1);
@@ -181,7 +182,7 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
 }  // namespace
 
 Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                                   const StretchList& list, std::span<const WoodCylinder> wood,
+                                   const RowSegmentList& list, std::span<const WoodCylinder> wood,
                                    std::span<const tile::TileIndex> tiles) {
   KeyBuilder builder("results", kResultsVersion);
   add_options(builder, work.options.estimator);

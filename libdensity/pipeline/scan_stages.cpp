@@ -14,7 +14,7 @@ namespace rayfield::density {
 namespace {
 
 // Raised whenever the code of a stage computes something else from the same input.
-constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
+constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kRowSegmentsVersion = 1;
 
 // Tiles within `reach_m` of a tile, itself among them.
 std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex index, double tile_size_m,
@@ -133,7 +133,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
 
 Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground) {
   KeyBuilder key("profile", kProfileVersion);
-  add_options(key, work.options.stretches).add(work.layout_key);
+  add_options(key, work.options.segments).add(work.layout_key);
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
@@ -143,7 +143,7 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
       RAYFIELD_CHECK(check_cancelled(work.progress));
       RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
       RAYFIELD_ASSIGN(const CanopyProfile here, canopy_profile_of_tile(reader, entry.index, work.tile_size_m(), layout,
-                                                                       ground, work.options.stretches, work.threads));
+                                                                       ground, work.options.segments, work.threads));
       add_profile(profile, here);
       work.progress.advance(entry.start_count);
     }
@@ -153,19 +153,19 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
   return profile_from_arrays(arrays);
 }
 
-Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
-                                  const CanopyProfile& profile, double voxel_m) {
-  const StretchOptions options = with_voxel_size(work.options.stretches, voxel_m);
-  KeyBuilder key("stretches", kStretchesVersion);
+Result<RowSegmentList> cut_row_segmentes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                         const CanopyProfile& profile, double voxel_m) {
+  const RowSegmentOptions options = with_voxel_size(work.options.segments, voxel_m);
+  KeyBuilder key("stretches", kRowSegmentsVersion);
   add_options(key, options).add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles) key.add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(const StretchList list, make_stretches(layout, ground, profile, options));
+    RAYFIELD_ASSIGN(const RowSegmentList list, make_row_segmentes(layout, ground, profile, options));
     for (const std::string& warning : list.warnings) work.progress.warn(warning);
-    return stretches_to_arrays(list);
+    return row_segments_to_arrays(list);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), make));
-  return stretches_from_arrays(arrays);
+  return row_segments_from_arrays(arrays);
 }
 
 }  // namespace rayfield::density

@@ -7,7 +7,7 @@
 #include "libdensity/pipeline/derive.h"
 #include "rayfield/core/products.h"
 #include "rayfield/density/process.h"
-#include "rayfield/density/stretches.h"
+#include "rayfield/density/row_segments.h"
 
 namespace rayfield::density {
 
@@ -50,25 +50,25 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
                                  const CanopyProfile& profile, std::span<const WoodCylinder> wood);
 
 /// The voxel grids of the scan's rows (kind "stretches").
-Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
-                                  const CanopyProfile& profile, double voxel_m);
+Result<RowSegmentList> cut_row_segmentes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                         const CanopyProfile& profile, double voxel_m);
 
 /// What can be met in one tile.
 struct TileScene {
-  std::vector<Stretch> stretches;
+  std::vector<RowSegment> row_segments;
   std::vector<WoodCylinder> wood;
 };
-TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
+TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const RowSegmentList& list,
                    std::span<const WoodCylinder> wood);
 
-/// Counts rays in the voxels of every tile that a stretch touches; the counters stay in the store (kind "voxels").
+/// Counts rays in the voxels of every tile that a row segment touches; the counters stay in the store (kind "voxels").
 /// Returns the tiles that have any, in order.
-Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const RowSegmentList& row_segments,
                                                   std::span<const WoodCylinder> wood);
 
 /// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster").
 Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                                   const StretchList& stretches, std::span<const WoodCylinder> wood,
+                                   const RowSegmentList& row_segments, std::span<const WoodCylinder> wood,
                                    std::span<const tile::TileIndex> tiles);
 
 }  // namespace rayfield::density

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kVoxelsVersion = 2;
 
-// Corners of a stretch's grid in plan, m.
-Eigen::AlignedBox2d bounds_of(const Stretch& s) {
+// Corners of a row segment's grid in plan, m.
+Eigen::AlignedBox2d bounds_of(const RowSegment& s) {
   Eigen::AlignedBox2d box;
   const Eigen::Vector2d left(-s.direction.y(), s.direction.x());
   for (const int along : {0, s.n_along})
@@ -21,7 +21,7 @@ Eigen::AlignedBox2d bounds_of(const Stretch& s) {
   return box;
 }
 
-void add_stretch(KeyBuilder& key, const Stretch& s) {
+void add_row_segment(KeyBuilder& key, const RowSegment& s) {
   key.add(std::vector<double>{static_cast<double>(s.row), static_cast<double>(s.index), s.origin.x(), s.origin.y(),
                               s.direction.x(), s.direction.y(), s.chainage_m, s.ground_m, s.slope_along, s.slope_across,
                               static_cast<double>(s.first_along), static_cast<double>(s.n_along),
@@ -54,36 +54,36 @@ Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, Voxe
 
 }  // namespace
 
-TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
+TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const RowSegmentList& list,
                    std::span<const WoodCylinder> wood) {
   const Eigen::Vector2d low(index.ix * tile_size_m, index.iy * tile_size_m);
   Eigen::AlignedBox2d square(Eigen::Vector2d(low.array() - margin_m),
                              Eigen::Vector2d(low.array() + tile_size_m + margin_m));
   TileScene scene;
-  for (const Stretch& stretch : list.stretches)
-    if (square.intersects(bounds_of(stretch))) scene.stretches.push_back(stretch);
+  for (const RowSegment& row_segment : list.row_segments)
+    if (square.intersects(bounds_of(row_segment))) scene.row_segments.push_back(row_segment);
   for (const WoodCylinder& cylinder : wood)
     if (square.exteriorDistance(Eigen::Vector2d(cylinder.base.head<2>())) < cylinder.length_m)
       scene.wood.push_back(cylinder);
   return scene;
 }
 
-Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const RowSegmentList& row_segments,
                                                   std::span<const WoodCylinder> wood) {
   std::vector<tile::TileIndex> with_voxels;
   work.progress.stage(fmt::format("{}: voxels", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     const TileScene scene =
-        scene_of(entry.index, work.tile_size_m(), work.store.config().tile_margin_m, stretches, wood);
+        scene_of(entry.index, work.tile_size_m(), work.store.config().tile_margin_m, row_segments, wood);
     work.progress.advance(entry.start_count);
-    if (scene.stretches.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(), scene.stretches,
-                                                                     scene.wood, work.voxels));
+    if (scene.row_segments.empty()) continue;
+    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(),
+                                                                     scene.row_segments, scene.wood, work.voxels));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
     add_options(key, work.voxels).add(entry.content_sha256());
-    for (const Stretch& stretch : scene.stretches) add_stretch(key, stretch);
+    for (const RowSegment& row_segment : scene.row_segments) add_row_segment(key, row_segment);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
     RAYFIELD_CHECK(work.files.get("voxels", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
       RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));

@@ -2,14 +2,14 @@
 #include <cmath>
 
 #include "libdensity/layout/row_locator.h"
-#include "rayfield/density/stretches.h"
+#include "rayfield/density/row_segments.h"
 
 namespace rayfield::density {
 namespace {
 
 constexpr double kBin = 0.02;  // m
 
-double half_width(const RowLayout& layout, const StretchOptions& options) {
+double half_width(const RowLayout& layout, const RowSegmentOptions& options) {
   return layout.spacing_m > 0 ? std::min(0.5 * layout.spacing_m, 3.0) : options.lone_half_width_m;
 }
 
@@ -24,7 +24,7 @@ struct CanopyProfileAccumulator::Impl {
 };
 
 CanopyProfileAccumulator::CanopyProfileAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
-                                                   const GroundModel& ground, const StretchOptions& options)
+                                                   const GroundModel& ground, const RowSegmentOptions& options)
     : impl_(new Impl{&layout,
                      &ground,
                      RowLocator(layout, index, tile_size_m, 0, half_width(layout, options)),

@@ -57,7 +57,7 @@ struct Gaps {
   }
 };
 
-bool same_grid(const Stretch& a, const Stretch& b) {
+bool same_grid(const RowSegment& a, const RowSegment& b) {
   return a.row == b.row && a.index == b.index && a.n_along == b.n_along && a.n_across == b.n_across && a.n_up == b.n_up;
 }
 
@@ -81,15 +81,15 @@ VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   return *this;
 }
 
-std::span<const VoxelCounters> StretchVoxels::column_voxels(int along, int across) const {
-  const std::int32_t c = column[static_cast<std::size_t>(along) * static_cast<std::size_t>(stretch.n_across) +
+std::span<const VoxelCounters> RowSegmentVoxels::column_voxels(int along, int across) const {
+  const std::int32_t c = column[static_cast<std::size_t>(along) * static_cast<std::size_t>(row_segment.n_across) +
                                 static_cast<std::size_t>(across)];
   if (c < 0) return {};
-  const auto n = static_cast<std::size_t>(stretch.n_up);
+  const auto n = static_cast<std::size_t>(row_segment.n_up);
   return std::span(voxels).subspan(static_cast<std::size_t>(c) * n, n);
 }
 
-Eigen::Vector2d column_center(const Stretch& s, int along, int across) {
+Eigen::Vector2d column_center(const RowSegment& s, int along, int across) {
   const double a = (along + 0.5) * s.voxel_m, c = s.across_min_m + (across + 0.5) * s.voxel_m;
   return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
 }
@@ -99,7 +99,7 @@ struct VoxelAccumulator::Geometry {
   LeafProjectionTable projection{LeafAngles{}};
   tile::TileIndex tile;
   std::vector<GridFrame> frames;
-  std::vector<StretchVoxels> empty;
+  std::vector<RowSegmentVoxels> empty;
   std::vector<WoodCylinder> wood;
   VoxelIndex index;
   TileGround ground;
@@ -111,10 +111,10 @@ struct VoxelAccumulator::Geometry {
 
 namespace {
 
-/// Numbers the columns of a stretch that belong to the tile; counters all zero.
-StretchVoxels allocate(const Stretch& s, const tile::TileIndex& tile, double tile_size_m) {
-  StretchVoxels out;
-  out.stretch = s;
+/// Numbers the columns of a row segment that belong to the tile; counters all zero.
+RowSegmentVoxels allocate(const RowSegment& s, const tile::TileIndex& tile, double tile_size_m) {
+  RowSegmentVoxels out;
+  out.row_segment = s;
   const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
   out.column.assign(columns, -1);
   std::int32_t next = 0;
@@ -139,17 +139,17 @@ VoxelAccumulator& VoxelAccumulator::operator=(VoxelAccumulator&&) noexcept = def
 VoxelAccumulator::~VoxelAccumulator() = default;
 
 Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double tile_size_m,
-                                                  std::span<const Stretch> stretches,
+                                                  std::span<const RowSegment> row_segments,
                                                   std::span<const WoodCylinder> wood, const VoxelOptions& options) {
   RAYFIELD_CHECK(options.validate());
   auto geometry = std::make_shared<Geometry>();
   geometry->options = options;
   geometry->projection = LeafProjectionTable(options.leaf_angles);
   geometry->tile = tile;
-  std::vector<Stretch> kept;
+  std::vector<RowSegment> kept;
   double voxel_m = 0;
-  for (const Stretch& s : stretches) {
-    const std::string where = "row " + std::to_string(s.row) + ", stretch " + std::to_string(s.index);
+  for (const RowSegment& s : row_segments) {
+    const std::string where = "row " + std::to_string(s.row) + ", row segment " + std::to_string(s.index);
     const std::int64_t columns = std::int64_t{s.n_along} * s.n_across;
     if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || columns * s.n_up > std::int64_t{1} << 28)
       return fail(ErrorCode::usage, "cannot lay out voxels", where, "no voxels, or more than 2^28",
@@ -157,7 +157,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
     if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))
       return fail(ErrorCode::usage, "cannot lay out voxels", where,
                   "voxel size not positive or direction not a unit vector");
-    StretchVoxels voxels = allocate(s, tile, tile_size_m);
+    RowSegmentVoxels voxels = allocate(s, tile, tile_size_m);
     if (voxels.entries.empty()) continue;
     kept.push_back(s);
     geometry->frames.emplace_back(s);
@@ -181,7 +181,7 @@ bool VoxelAccumulator::empty() const { return sums_.empty(); }
 
 std::size_t VoxelAccumulator::memory_bytes() const {
   std::size_t bytes = 0;
-  for (const StretchVoxels& s : sums_)
+  for (const RowSegmentVoxels& s : sums_)
     bytes += s.voxels.size() * sizeof(VoxelCounters) + s.entries.size() * 4 + s.column.size() * 4;
   return bytes;
 }
@@ -248,7 +248,7 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
                                       gap.from <= ray.length && ray.length <= gap.to);
         continue;
       }
-      const Stretch& s = sums_[item].stretch;
+      const RowSegment& s = sums_[item].row_segment;
       const Eigen::Array3d at = g.frames[item].grid_from_map(end).array().floor();
       if ((at < 0).any() || (at >= Eigen::Array3d(s.n_along, s.n_across, s.n_up)).any()) continue;
       const auto column =
@@ -261,21 +261,21 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
 
 VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<std::uint64_t>& mask) {
   const Geometry& g = *geometry_;
-  const auto stretch_bits = sums_.size();
+  const auto segment_bits = sums_.size();
   Gaps gaps;
   std::array<Piece, kMaxGaps + 1> pieces;
   std::size_t piece_count = 1;
   pieces[0] = {0, ray.length};
   Counted counted;
   const double doubled_projection = 2 * g.projection(ray.direction.z());
-  for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the stretches
+  for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the row segments
     for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0;) {
       const auto top = static_cast<std::size_t>(63 - std::countl_zero(bits));
       bits &= ~(std::uint64_t{1} << top);
       const std::size_t item = w * 64 + top;
-      if (item >= stretch_bits) {
+      if (item >= segment_bits) {
         Piece gap{};
-        if (!shell_interval(g.wood[item - stretch_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
+        if (!shell_interval(g.wood[item - segment_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
                             gap.to) ||
             gap.to <= 0 || gap.from >= ray.length)
           continue;
@@ -303,13 +303,14 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
 Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
   segments_ += other.segments_;
   if (segments_ > std::numeric_limits<std::uint32_t>::max() || sums_.size() != other.sums_.size())
-    return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "too many segments or different stretches");
+    return fail(ErrorCode::internal, "cannot merge voxel counts", "tile",
+                "too many segments or different row segments");
   pairs_ += other.pairs_;
   for (std::size_t s = 0; s < sums_.size(); ++s) {
-    StretchVoxels& mine = sums_[s];
-    const StretchVoxels& theirs = other.sums_[s];
-    if (!same_grid(mine.stretch, theirs.stretch) || mine.voxels.size() != theirs.voxels.size())
-      return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different stretches");
+    RowSegmentVoxels& mine = sums_[s];
+    const RowSegmentVoxels& theirs = other.sums_[s];
+    if (!same_grid(mine.row_segment, theirs.row_segment) || mine.voxels.size() != theirs.voxels.size())
+      return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different row segments");
     for (std::size_t i = 0; i < mine.voxels.size(); ++i) mine.voxels[i] += theirs.voxels[i];
     for (std::size_t i = 0; i < mine.entries.size(); ++i) mine.entries[i] += theirs.entries[i];
   }

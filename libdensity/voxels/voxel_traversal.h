@@ -24,8 +24,9 @@ inline std::int64_t fixed(double u) { return std::llrint(u * (1.0 / VoxelCounter
 /// Adds a piece of the ray g0 + t·dg (voxel coordinates, t in metres) to every voxel that it crosses (Amanatides & Woo
 /// 1987, in the sheared frame; t stays true metres). Every hit inside the grid is counted in exactly one voxel: the
 /// one in which the piece ends; returns whether that voxel is one of this tile's.
-inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg, const RayPiece& piece) {
-  const Stretch& s = sums.stretch;
+inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                     const RayPiece& piece) {
+  const RowSegment& s = sums.row_segment;
   const int n[3] = {s.n_along, s.n_across, s.n_up};
   double t0 = piece.from, t1 = piece.to;
   int face = -1;  // axis of the face through which the ray comes in

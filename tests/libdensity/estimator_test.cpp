@@ -127,7 +127,7 @@ TEST(Estimator, WithoutHitsTheRateIsZeroAndItsIntervalBeginsThere) {
 TEST(Estimator, OptionsOutOfRangeAreRefused) {
   EstimatorOptions o;
   EXPECT_TRUE(o.validate().has_value());
-  o.leaf_area_m2 = 0.06;
+  o.leaf_size_m2 = 0.06;
   EXPECT_EQ(o.validate().error().code, ErrorCode::usage);
   o = {};
   o.paper_min_rays = 0;

@@ -13,23 +13,23 @@
 namespace rayfield::density {
 namespace {
 
-using testing::make_stretch;
+using testing::make_row_segment;
 
-/// A row of two stretches with a bend of 3°, random densities, everything observed.
+/// A row of two row segments with a bend of 3°, random densities, everything observed.
 RowDensity random_row(std::uint64_t seed) {
   RowDensity r;
   r.row = 1;
-  Stretch a = make_stretch(), b = a;
+  RowSegment a = make_row_segment(), b = a;
   a.chainage_m = 0;
   b.index = 1, b.first_along = a.n_along, b.chainage_m = a.n_along * a.voxel_m;
   b.origin = a.origin + b.chainage_m * a.direction;
   b.direction = Eigen::Rotation2Dd(0.05) * a.direction;
-  r.stretches = {a, b};
+  r.row_segments = {a, b};
   r.voxel_m = a.voxel_m, r.n_across = a.n_across, r.n_up = a.n_up;
   r.across_min_m = a.across_min_m, r.up_min_m = a.up_min_m;
   for (int s = 0; s < 2; ++s)
     for (int i = 0; i < a.n_along; ++i) {
-      r.stretch_of.push_back(s);
+      r.segment_of.push_back(s);
       r.chainage_m.push_back((s * a.n_along + i) * a.voxel_m);
     }
   r.n_along = 2 * a.n_along;
@@ -38,7 +38,7 @@ RowDensity random_row(std::uint64_t seed) {
   std::uniform_real_distribution<float> uniform(0, 8);
   for (std::size_t i = 0; i < voxels; ++i) r.density.push_back(uniform(rng)), r.variance.push_back(uniform(rng));
   r.state.assign(voxels, VoxelState::observed);
-  r.entries.assign(r.stretch_of.size(), 3);
+  r.entries.assign(r.segment_of.size(), 3);
   return r;
 }
 
@@ -61,7 +61,7 @@ TEST(Integrate, ThePanelsTogetherAreTheWholeRowWithWhatOverhangsItsEnds) {
 TEST(Integrate, ThePlanRasterHoldsTheSameAreaAtAnyCellSize) {
   const RowDensity row = random_row(2);
   for (const double cell : {0.05, 0.1, 0.25, 1.0}) {
-    auto raster = PlanRaster::create(row.stretches, {cell, 0.97});
+    auto raster = PlanRaster::create(row.row_segments, {cell, 0.97});
     ASSERT_TRUE(raster.has_value());
     raster->add(row);
     const auto products = raster->finish();
@@ -129,7 +129,7 @@ TEST(Integrate, UnscannedIsNanAndScannedEmptyIsZero) {
   EXPECT_TRUE(std::isnan(unseen[0].plant_area_m2));
   EXPECT_EQ(unseen[0].observed_fraction, 0);
   EXPECT_TRUE(std::isnan(row_metres(row, 4.5, {})[0].leaf_area_per_m));
-  auto raster = PlanRaster::create(row.stretches, {});
+  auto raster = PlanRaster::create(row.row_segments, {});
   ASSERT_TRUE(raster.has_value());
   raster->add(row);
   const std::vector<RasterProduct> products = raster->finish();
@@ -141,7 +141,7 @@ TEST(Integrate, TheStandardErrorOfAMapCellAddsIndependentColumns) {
   RowDensity row = random_row(7);
   std::fill(row.variance.begin(), row.variance.end(), 0.0F);
   row.variance[row.index(4, 4, 3)] = 9.0F;
-  auto raster = PlanRaster::create(row.stretches, {10.0, 0.97});  // cells larger than the row
+  auto raster = PlanRaster::create(row.row_segments, {10.0, 0.97});  // cells larger than the row
   ASSERT_TRUE(raster.has_value());
   raster->add(row);
   double variance = 0;  // the column may lie across a border of cells: compare shares² only when it does not
@@ -177,7 +177,7 @@ TEST(Integrate, OptionsOutOfRangeAreRefused) {
   o.height_share = 1.2;
   EXPECT_FALSE(o.validate().has_value());
   EXPECT_EQ(PlanRaster::create({}, {}).error().code, ErrorCode::usage);
-  EXPECT_FALSE(PlanRaster::create(random_row(1).stretches, {0.0, 0.97}).has_value());
+  EXPECT_FALSE(PlanRaster::create(random_row(1).row_segments, {0.0, 0.97}).has_value());
 }
 
 }  // namespace

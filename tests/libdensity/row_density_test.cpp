@@ -25,15 +25,15 @@ using testing::truth_of;
 constexpr double kVoxel = 0.08;
 
 /// As process() chooses it.
-double fitted_voxel(double leaf_area_m2) {
+double fitted_voxel(double leaf_size_m2) {
   const VoxelFitOptions fit;
-  return std::clamp(std::round(1000 * fit.leaf_sides * std::sqrt(leaf_area_m2)) / 1000, fit.min_m, fit.max_m);
+  return std::clamp(std::round(1000 * fit.leaf_sides * std::sqrt(leaf_size_m2)) / 1000, fit.min_m, fit.max_m);
 }
 
 HedgeOptions hedge_options(double leaf_cm2, double per_metre, bool wide, bool shoots) {
   HedgeOptions o;
   o.length_m = 18;
-  o.leaf_area_m2 = leaf_cm2 * 1e-4, o.leaf_area_per_m = per_metre, o.shoots = shoots;
+  o.leaf_size_m2 = leaf_cm2 * 1e-4, o.leaf_area_per_m = per_metre, o.shoots = shoots;
   if (wide) o.sigma_across_m = 0.32, o.bottom_m = 0.7, o.top_m = 2.0;
   return o;
 }
@@ -80,7 +80,7 @@ TEST(RowDensity, FastAndSlowDrivesAgreeWithinTwoAndAHalfPercent) {
 TEST(RowDensity, LeavesThatReachOutOfSmallVoxelsAreCorrectedFor) {
   const HedgeOptions options = hedge_options(100, 1.5, false, false);
   EstimatorOptions none;
-  none.leaf_area_m2 = 0;
+  none.leaf_size_m2 = 0;
   const double voxel_m = 0.06, with = run(options, voxel_m, {}).ratio, without = run(options, voxel_m, none).ratio;
   EXPECT_GT(without, 1.08);
   EXPECT_LT(std::abs(with - 1), 0.7 * std::abs(without - 1));
@@ -149,21 +149,21 @@ TEST(RowDensity, ThePublishedMethodBorrowsUntilTenRays) {
   EXPECT_NEAR(a.ratio, 1, 0.15);
 }
 
-TEST(RowDensity, StretchesOffTheLatticeAndForeignVoxelsAreRefused) {
+TEST(RowDensity, RowSegmentsOffTheLatticeAndForeignVoxelsAreRefused) {
   const Hedge hedge(hedge_options(35, 1, false, false));
-  auto stretches = hedge.stretches(0.12, 0.72, 2.4);
-  EXPECT_EQ(RowDensityBuilder::create(2, stretches, {}, {}, {}).error().code, ErrorCode::usage);
-  auto builder = RowDensityBuilder::create(1, stretches, {}, {}, {});
+  auto row_segments = hedge.row_segments(0.12, 0.72, 2.4);
+  EXPECT_EQ(RowDensityBuilder::create(2, row_segments, {}, {}, {}).error().code, ErrorCode::usage);
+  auto builder = RowDensityBuilder::create(1, row_segments, {}, {}, {});
   ASSERT_TRUE(builder.has_value());
-  auto other = stretches;
+  auto other = row_segments;
   other[0].n_up += 1;
   auto accumulator = VoxelAccumulator::create({0, 0}, 1000, other, {}, {});
   ASSERT_TRUE(accumulator.has_value());
   TileVoxels voxels = std::move(*accumulator).finish();
   const auto result = builder->add(voxels);
   EXPECT_EQ(result.error().code, ErrorCode::damaged);
-  stretches[1].across_min_m += 0.05;
-  EXPECT_EQ(RowDensityBuilder::create(1, stretches, {}, {}, {}).error().code, ErrorCode::usage);
+  row_segments[1].across_min_m += 0.05;
+  EXPECT_EQ(RowDensityBuilder::create(1, row_segments, {}, {}, {}).error().code, ErrorCode::usage);
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const Gr
 }
 
 CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground,
-                         const StretchOptions& options) {
+                         const RowSegmentOptions& options) {
   CanopyProfile total;
   for (const auto& [index, batch] : tiles) {
     CanopyProfileAccumulator sum(index, kTile, layout, ground, options);

@@ -9,8 +9,8 @@
 #include "rayfield/density/canopy_map.h"
 #include "rayfield/density/ground.h"
 #include "rayfield/density/posts.h"
+#include "rayfield/density/row_segments.h"
 #include "rayfield/density/rows.h"
-#include "rayfield/density/stretches.h"
 #include "rayfield/density/survey.h"
 
 /// Analytic scenes: points on surfaces of known place, and a drive, handed out as the segments of tiles.
@@ -72,7 +72,7 @@ GroundModel ground_of(const std::vector<TileSurvey>& surveys);
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground);
 std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground);
 CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground,
-                         const StretchOptions& options);
+                         const RowSegmentOptions& options);
 
 /// Rows found in a scene, with everything before them.
 struct Found {

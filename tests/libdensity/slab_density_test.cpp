@@ -12,25 +12,25 @@
 namespace rayfield::density {
 namespace {
 
-using testing::make_stretch;
+using testing::make_row_segment;
 
 /// Numbers of rays of one voxel side each through every voxel, [(along·n_across + across)·n_up + up].
 struct Scene {
-  Stretch stretch;
+  RowSegment row_segment;
   std::vector<int> rays;
   std::vector<double> rate;  ///< λ per voxel side
 
-  explicit Scene(int n_along, int n_up) : stretch(make_stretch()) {
-    stretch.n_along = n_along, stretch.n_across = 1, stretch.n_up = n_up;
+  explicit Scene(int n_along, int n_up) : row_segment(make_row_segment()) {
+    row_segment.n_along = n_along, row_segment.n_across = 1, row_segment.n_up = n_up;
     rays.assign(static_cast<std::size_t>(n_along * n_up), 10);
     rate.assign(rays.size(), 1);
   }
-  std::size_t at(int along, int up) const { return static_cast<std::size_t>(along * stretch.n_up + up); }
+  std::size_t at(int along, int up) const { return static_cast<std::size_t>(along * row_segment.n_up + up); }
 
   RowDensity observe(std::mt19937_64& rng) const {
-    StretchVoxels voxels;
-    voxels.stretch = stretch;
-    voxels.column.resize(static_cast<std::size_t>(stretch.n_along));
+    RowSegmentVoxels voxels;
+    voxels.row_segment = row_segment;
+    voxels.column.resize(static_cast<std::size_t>(row_segment.n_along));
     std::iota(voxels.column.begin(), voxels.column.end(), 0);
     voxels.entries.assign(voxels.column.size(), 0);
     voxels.voxels.assign(rays.size(), {});
@@ -45,11 +45,11 @@ struct Scene {
       }
     }
     EstimatorOptions options;
-    options.leaf_area_m2 = 0;
-    auto builder = RowDensityBuilder::create(1, std::vector{stretch}, {}, {}, options);
+    options.leaf_size_m2 = 0;
+    auto builder = RowDensityBuilder::create(1, std::vector{row_segment}, {}, {}, options);
     EXPECT_TRUE(builder.has_value());
     TileVoxels tile;
-    tile.stretches.push_back(std::move(voxels));
+    tile.row_segments.push_back(std::move(voxels));
     EXPECT_TRUE(builder->add(tile).has_value());
     return std::move(*builder).finish();
   }

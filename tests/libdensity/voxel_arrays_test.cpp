@@ -9,26 +9,26 @@ namespace {
 
 TileVoxels some_voxels() {
   // One tile of 25 m, so that some columns belong to others.
-  auto accumulator =
-      VoxelAccumulator::create({10, 20}, 25.0, std::vector{testing::make_stretch()}, {}, testing::count_every_ray());
-  if (!accumulator || !accumulator->add(testing::random_rays(testing::make_stretch(), 2000, 9))) return {};
+  auto accumulator = VoxelAccumulator::create({10, 20}, 25.0, std::vector{testing::make_row_segment()}, {},
+                                              testing::count_every_ray());
+  if (!accumulator || !accumulator->add(testing::random_rays(testing::make_row_segment(), 2000, 9))) return {};
   return std::move(*accumulator).finish();
 }
 
 TEST(VoxelArrays, WhatIsStoredComesBack) {
   const TileVoxels before = some_voxels();
-  ASSERT_FALSE(before.stretches.empty());
+  ASSERT_FALSE(before.row_segments.empty());
   const auto after = voxels_from_arrays(arrays_from_voxels(before));
   ASSERT_TRUE(after.has_value()) << after.error().line();
   EXPECT_EQ(after->tile, before.tile);
   EXPECT_EQ(after->pairs, before.pairs);
-  ASSERT_EQ(after->stretches.size(), before.stretches.size());
-  const StretchVoxels &a = before.stretches[0], &b = after->stretches[0];
+  ASSERT_EQ(after->row_segments.size(), before.row_segments.size());
+  const RowSegmentVoxels &a = before.row_segments[0], &b = after->row_segments[0];
   EXPECT_EQ(a.column, b.column);
   EXPECT_EQ(a.entries, b.entries);
-  EXPECT_EQ(a.stretch.origin, b.stretch.origin);
-  EXPECT_EQ(a.stretch.slope_across, b.stretch.slope_across);
-  EXPECT_EQ(a.stretch.first_along, b.stretch.first_along);
+  EXPECT_EQ(a.row_segment.origin, b.row_segment.origin);
+  EXPECT_EQ(a.row_segment.slope_across, b.row_segment.slope_across);
+  EXPECT_EQ(a.row_segment.first_along, b.row_segment.first_along);
   ASSERT_EQ(a.voxels.size(), b.voxels.size());
   EXPECT_EQ(a.voxels, b.voxels);
   EXPECT_EQ(arrays_from_voxels(*after).columns, arrays_from_voxels(before).columns);

@@ -16,12 +16,12 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::count_all;
-using testing::make_stretch;
+using testing::make_row_segment;
 using testing::push_ray;
 using testing::random_rays;
 
 /// Path of a ray through one voxel by clipping it against the voxel's six faces in the row's frame: no traversal.
-double clipped_path(const Stretch& s, int a, int c, int u, const Vector3d& p, const Vector3d& q) {
+double clipped_path(const RowSegment& s, int a, int c, int u, const Vector3d& p, const Vector3d& q) {
   const auto local = [&](const Vector3d& x) {
     const Eigen::Vector2d d = x.head<2>() - s.origin;
     const double along = d.dot(s.direction), across = -d.x() * s.direction.y() + d.y() * s.direction.x();
@@ -38,10 +38,10 @@ double clipped_path(const Stretch& s, int a, int c, int u, const Vector3d& p, co
 }
 
 TEST(VoxelGrid, PathsAndCountsAreThoseOfEveryVoxelClippedByItself) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   const tile::SegmentBatch rays = random_rays(s, 400, 1);
   const TileVoxels voxels = count_all({s}, rays);
-  ASSERT_EQ(voxels.stretches.size(), 1u);
+  ASSERT_EQ(voxels.row_segments.size(), 1u);
   for (int a = 0; a < s.n_along; ++a)
     for (int c = 0; c < s.n_across; ++c)
       for (int u = 0; u < s.n_up; ++u) {
@@ -56,7 +56,7 @@ TEST(VoxelGrid, PathsAndCountsAreThoseOfEveryVoxelClippedByItself) {
           const bool ends = clipped_path(s, a, c, u, rays.entry[i], before) / s.voxel_m < x - 1e-9;
           if (ends && (rays.flags[i] & tile::kHit) != 0) ++m, hit_path += x;
         }
-        const VoxelCounters& v = voxels.stretches[0].column_voxels(a, c)[static_cast<std::size_t>(u)];
+        const VoxelCounters& v = voxels.row_segments[0].column_voxels(a, c)[static_cast<std::size_t>(u)];
         ASSERT_EQ(v.rays, n) << a << " " << c << " " << u;
         ASSERT_EQ(v.hits, m) << a << " " << c << " " << u;
         ASSERT_NEAR(static_cast<double>(v.path) * VoxelCounters::kUnit, path, 1e-6);
@@ -66,7 +66,7 @@ TEST(VoxelGrid, PathsAndCountsAreThoseOfEveryVoxelClippedByItself) {
 }
 
 TEST(VoxelGrid, EveryHitInsideTheGridIsCountedOnce) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   const tile::SegmentBatch rays = random_rays(s, 5000, 2);
   unsigned inside = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -78,15 +78,15 @@ TEST(VoxelGrid, EveryHitInsideTheGridIsCountedOnce) {
   ASSERT_GT(inside, 500u);
   unsigned hits = 0;
   const TileVoxels voxels = count_all({s}, rays);
-  for (const VoxelCounters& v : voxels.stretches[0].voxels) hits += v.hits;
+  for (const VoxelCounters& v : voxels.row_segments[0].voxels) hits += v.hits;
   EXPECT_EQ(hits, inside);
 }
 
 TEST(VoxelGrid, ColumnsOfNeighbouringTilesAddUpToTheWhole) {
-  const Stretch s = make_stretch();  // lies across the corner of four tiles of 25 m
+  const RowSegment s = make_row_segment();  // lies across the corner of four tiles of 25 m
   const tile::SegmentBatch rays = random_rays(s, 3000, 3);
   const TileVoxels whole = count_all({s}, rays);
-  std::vector<int> owners(whole.stretches[0].column.size(), 0);
+  std::vector<int> owners(whole.row_segments[0].column.size(), 0);
   for (int iy = -1; iy <= 1; ++iy)
     for (int ix = -1; ix <= 1; ++ix) {
       auto accumulator =
@@ -94,10 +94,10 @@ TEST(VoxelGrid, ColumnsOfNeighbouringTilesAddUpToTheWhole) {
       ASSERT_TRUE(accumulator.has_value());
       ASSERT_TRUE(accumulator->add(rays).has_value());
       const TileVoxels part = std::move(*accumulator).finish();
-      for (const StretchVoxels& block : part.stretches)
+      for (const RowSegmentVoxels& block : part.row_segments)
         for (int a = 0; a < s.n_along; ++a)
           for (int c = 0; c < s.n_across; ++c) {
-            const auto mine = block.column_voxels(a, c), all = whole.stretches[0].column_voxels(a, c);
+            const auto mine = block.column_voxels(a, c), all = whole.row_segments[0].column_voxels(a, c);
             if (mine.empty()) continue;
             ++owners[static_cast<std::size_t>(a) * static_cast<std::size_t>(s.n_across) + static_cast<std::size_t>(c)];
             EXPECT_TRUE(std::equal(mine.begin(), mine.end(), all.begin()));
@@ -107,7 +107,7 @@ TEST(VoxelGrid, ColumnsOfNeighbouringTilesAddUpToTheWhole) {
 }
 
 TEST(VoxelGrid, AnySplitOfTheSegmentsGivesTheSameCounters) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   const tile::SegmentBatch rays = random_rays(s, 3000, 4);
   const TileVoxels whole = count_all({s}, rays);
   auto first = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {},
@@ -121,16 +121,16 @@ TEST(VoxelGrid, AnySplitOfTheSegmentsGivesTheSameCounters) {
   }
   ASSERT_TRUE(first->merge(second).has_value());
   const TileVoxels split = std::move(*first).finish();
-  EXPECT_EQ(split.stretches[0].voxels, whole.stretches[0].voxels);
-  EXPECT_EQ(split.stretches[0].entries, whole.stretches[0].entries);
+  EXPECT_EQ(split.row_segments[0].voxels, whole.row_segments[0].voxels);
+  EXPECT_EQ(split.row_segments[0].entries, whole.row_segments[0].entries);
 }
 
 TEST(VoxelGrid, ARayThatStartsInsideCountsInItsFirstVoxel) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   tile::SegmentBatch rays;
   push_ray(rays, testing::map_from_grid(s, {5.5, 4.5, 6.5}), testing::map_from_grid(s, {9.5, 4.5, 6.5}), true);
   const TileVoxels voxels = count_all({s}, rays);
-  const auto at = [&](int a) { return voxels.stretches[0].column_voxels(a, 4)[6]; };
+  const auto at = [&](int a) { return voxels.row_segments[0].column_voxels(a, 4)[6]; };
   EXPECT_EQ(at(5).rays, 1u);
   EXPECT_NEAR(static_cast<double>(at(5).path) * VoxelCounters::kUnit,
               0.5 * (rays.exit[0] - rays.entry[0]).norm() / (4 * s.voxel_m), 1e-6);
@@ -139,9 +139,9 @@ TEST(VoxelGrid, ARayThatStartsInsideCountsInItsFirstVoxel) {
   EXPECT_EQ(at(10).rays, 0u);
 }
 
-TEST(VoxelGrid, EachRayEntersTheRowOnceHoweverManyStretchesAndTilesItCrosses) {
-  // Two stretches in line; rays at a small angle to the row pass from one to the other.
-  Stretch a = make_stretch(), b = a;
+TEST(VoxelGrid, EachRayEntersTheRowOnceHoweverManyRowSegmentsAndTilesItCrosses) {
+  // Two row segments in line; rays at a small angle to the row pass from one to the other.
+  RowSegment a = make_row_segment(), b = a;
   a.n_along = 10;
   b.index = 1, b.first_along = 10, b.n_along = a.n_along;
   b.origin = a.origin + a.n_along * a.voxel_m * a.direction, b.chainage_m = a.chainage_m + a.n_along * a.voxel_m;
@@ -156,14 +156,14 @@ TEST(VoxelGrid, EachRayEntersTheRowOnceHoweverManyStretchesAndTilesItCrosses) {
       auto accumulator = VoxelAccumulator::create({10 + ix, 20 + iy}, 25.0, std::vector{a, b}, {}, {});
       ASSERT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
       const TileVoxels voxels = std::move(*accumulator).finish();
-      for (const StretchVoxels& s : voxels.stretches)
+      for (const RowSegmentVoxels& s : voxels.row_segments)
         for (const std::uint32_t n : s.entries) entries += n;
     }
   EXPECT_EQ(entries, rays.size());
 }
 
 TEST(VoxelGrid, HitsOnKnownWoodAreNoHitsAndThePathInItsShellIsLeftOut) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   const Vector3d middle = testing::map_from_grid(s, {10.5, s.n_across / 2.0, 0});
   const WoodCylinder post{s.row, {middle.x(), middle.y(), middle.z() - s.up_min_m}, Vector3d::UnitZ(), 0.05, 2.5};
   tile::SegmentBatch rays;  // straight across the row at the post: one stops on it, one misses it
@@ -179,9 +179,9 @@ TEST(VoxelGrid, HitsOnKnownWoodAreNoHitsAndThePathInItsShellIsLeftOut) {
   unsigned hits = 0;
   double path = 0;
   for (int c = 0; c < s.n_across; ++c) {
-    path += static_cast<double>(voxels.stretches[0].column_voxels(10, c)[5].path) * VoxelCounters::kUnit * s.voxel_m;
-    hits += voxels.stretches[0].column_voxels(10, c)[5].hits;
-    EXPECT_EQ(voxels.stretches[0].column_voxels(3, c)[5].hits, c == s.n_across / 2 ? 1u : 0u);
+    path += static_cast<double>(voxels.row_segments[0].column_voxels(10, c)[5].path) * VoxelCounters::kUnit * s.voxel_m;
+    hits += voxels.row_segments[0].column_voxels(10, c)[5].hits;
+    EXPECT_EQ(voxels.row_segments[0].column_voxels(3, c)[5].hits, c == s.n_across / 2 ? 1u : 0u);
   }
   EXPECT_EQ(hits, 0u);
   // True length per metre across the row, times the way to the shell (a circle in the horizontal plane).
@@ -190,7 +190,7 @@ TEST(VoxelGrid, HitsOnKnownWoodAreNoHitsAndThePathInItsShellIsLeftOut) {
 }
 
 TEST(VoxelGrid, GrazingDownwardRaysAreLeftOutWhetherTheyHitOrNot) {
-  const Stretch s = make_stretch();  // falls 6 % against its direction
+  const RowSegment s = make_row_segment();  // falls 6 % against its direction
   const Vector3d target = testing::map_from_grid(s, {10.5, 4.5, 6.5});
   const Vector3d along(s.direction.x(), s.direction.y(), 0);
   const auto rays_seen = [&](const Vector3d& direction, double sure_return_m) {
@@ -201,7 +201,7 @@ TEST(VoxelGrid, GrazingDownwardRaysAreLeftOutWhetherTheyHitOrNot) {
     options.sure_return_m = sure_return_m;
     auto accumulator = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {}, options);
     EXPECT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
-    return std::move(*accumulator).finish().stretches[0].column_voxels(10, 4)[6].rays;
+    return std::move(*accumulator).finish().row_segments[0].column_voxels(10, 4)[6].rays;
   };
   const Vector3d uphill = along + Vector3d(0, 0, -0.05), downhill = -along + Vector3d(0, 0, -0.05);
   EXPECT_EQ(rays_seen(uphill.normalized(), 25), 2u);    // 11 % against the ground: meets it within 15 m
@@ -212,7 +212,7 @@ TEST(VoxelGrid, GrazingDownwardRaysAreLeftOutWhetherTheyHitOrNot) {
 }
 
 TEST(VoxelGrid, LeafAnglesTurnLengthsIntoSphericalEquivalents) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   tile::SegmentBatch rays;
   push_ray(rays, testing::map_from_grid(s, {5.5, 4.5, 40}), testing::map_from_grid(s, {5.5, 4.5, -40}), false);
   VoxelOptions options;
@@ -220,37 +220,37 @@ TEST(VoxelGrid, LeafAnglesTurnLengthsIntoSphericalEquivalents) {
   auto accumulator = VoxelAccumulator::create(testing::kBigTile, testing::kBigTileSize, std::vector{s}, {}, options);
   ASSERT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
   const TileVoxels voxels = std::move(*accumulator).finish();
-  EXPECT_NEAR(static_cast<double>(voxels.stretches[0].column_voxels(5, 4)[3].path) * VoxelCounters::kUnit,
+  EXPECT_NEAR(static_cast<double>(voxels.row_segments[0].column_voxels(5, 4)[3].path) * VoxelCounters::kUnit,
               2 * 8 / (3 * 3.14159265358979), 2e-3);
 }
 
 TEST(VoxelGrid, RaysWithoutLengthOrFarAwayChangeNothing) {
-  const Stretch s = make_stretch();
+  const RowSegment s = make_row_segment();
   tile::SegmentBatch rays;
   const Vector3d inside = testing::map_from_grid(s, {5.5, 4.5, 6.5});
   push_ray(rays, inside, inside, true);
   push_ray(rays, inside + Vector3d(0, 0, 50), inside + Vector3d(10, 0, 60), false);
   push_ray(rays, inside + Vector3d(500, 0, 0), inside + Vector3d(510, 0, 0), true);
   const TileVoxels voxels = count_all({s}, rays);
-  for (const VoxelCounters& v : voxels.stretches[0].voxels) EXPECT_EQ(v, VoxelCounters{});
+  for (const VoxelCounters& v : voxels.row_segments[0].voxels) EXPECT_EQ(v, VoxelCounters{});
 }
 
-TEST(VoxelGrid, ImpossibleStretchesAndOptionsAreRefused) {
-  Stretch s = make_stretch();
+TEST(VoxelGrid, ImpossibleRowSegmentsAndOptionsAreRefused) {
+  RowSegment s = make_row_segment();
   s.n_up = 0;
   EXPECT_EQ(VoxelAccumulator::create({}, 25, std::vector{s}, {}, {}).error().code, ErrorCode::usage);
-  s = make_stretch(), s.voxel_m = 0;
+  s = make_row_segment(), s.voxel_m = 0;
   EXPECT_FALSE(VoxelAccumulator::create({}, 25, std::vector{s}, {}, {}).has_value());
   VoxelOptions options;
   options.wood_shell_m = -1;
-  EXPECT_FALSE(VoxelAccumulator::create({}, 25, std::vector{make_stretch()}, {}, options).has_value());
+  EXPECT_FALSE(VoxelAccumulator::create({}, 25, std::vector{make_row_segment()}, {}, options).has_value());
 }
 
 TEST(VoxelGrid, ATileWithoutColumnsIsEmpty) {
-  auto accumulator = VoxelAccumulator::create({0, 0}, 25, std::vector{make_stretch()}, {}, {});
+  auto accumulator = VoxelAccumulator::create({0, 0}, 25, std::vector{make_row_segment()}, {}, {});
   ASSERT_TRUE(accumulator.has_value());
   EXPECT_TRUE(accumulator->empty());
-  EXPECT_TRUE(accumulator->add(random_rays(make_stretch(), 10, 5)).has_value());
+  EXPECT_TRUE(accumulator->add(random_rays(make_row_segment(), 10, 5)).has_value());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 # Tests of voxel counting, estimators and integration; included by CMakeLists.txt beside it.
 rayfield_test(density_voxel_test LABEL unit
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/element_size_test.cpp
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/leaf_size_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/estimator_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hedge_scene.cpp
           ${CMAKE_CURRENT_LIST_DIR}/integrate_test.cpp

@@ -19,10 +19,10 @@ std::string_view estimator_name(Estimator estimator);
 
 struct EstimatorOptions {
   Estimator estimator = Estimator::unbiased;
-  /// Area of one leaf, m²; 0 = none (infinitesimal leaves), negative = measured from the scan (estimate_element_size).
+  /// Area of one leaf, m²; 0 = none (infinitesimal leaves), negative = measured from the scan (estimate_leaf_size).
   /// A third too large lowers the density of a typical canopy by 1 %, by 2 % with voxels fitted to it. Valid: < 0, or
   /// 0…0.05.
-  double leaf_area_m2 = -1;
+  double leaf_size_m2 = -1;
   std::uint32_t paper_min_rays = 10;  ///< `paper` borrows until a voxel has that many rays. Valid: 1…1000
   /// Relative standard error that all voxels of a panel share (leaf angles, clumping below the voxel size), in the
   /// intervals only. The default is the spread of the ratio to truth over simulated canopies of different kinds.

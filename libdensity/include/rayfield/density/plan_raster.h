@@ -20,8 +20,8 @@ struct PlanRasterOptions {
 /// A cell without a seen column is NaN; what a seen column does not cover counts as empty.
 class PlanRaster {
  public:
-  /// `stretches`: all that may be added; they fix the extent. Errors: usage; resources, beyond 2³¹ cells.
-  static Result<PlanRaster> create(std::span<const Stretch> stretches, const PlanRasterOptions& options);
+  /// `row_segments`: all that may be added; they fix the extent. Errors: usage; resources, beyond 2³¹ cells.
+  static Result<PlanRaster> create(std::span<const RowSegment> row_segments, const PlanRasterOptions& options);
   /// Rows in a fixed order give the same bytes.
   void add(const RowDensity& row);
   /// "plan_density" (plant area, m²/m²), "plan_density_se" (square root of the cell's variance: columns independent)

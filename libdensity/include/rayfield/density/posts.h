@@ -20,7 +20,7 @@ namespace rayfield::density {
 struct PostOptions {
   double half_width_m = 0.35;                  ///< how far from the centreline, 0.15…0.6
   double cell_m = 0.02;                        ///< of the fine grid, 0.01…0.05
-  double slab_m = 0.10;                        ///< height of its layers, 0.05…0.2
+  double layer_m = 0.10;                       ///< height of its layers, 0.05…0.2
   double top_m = 3.0;                          ///< of the grid, 1.5…5
   double low_min_m = 0.20, low_max_m = 0.70;   ///< below the canopy, where stems stand free
   double min_contrast = 3;                     ///< density of hits on a stem to that around it, 1.5…20

@@ -13,8 +13,8 @@
 #include "rayfield/density/integrate.h"
 #include "rayfield/density/plan_raster.h"
 #include "rayfield/density/posts.h"
+#include "rayfield/density/row_segments.h"
 #include "rayfield/density/rows.h"
-#include "rayfield/density/stretches.h"
 #include "rayfield/density/survey.h"
 #include "rayfield/density/voxel_grid.h"
 #include "rayfield/tile/store.h"
@@ -25,7 +25,7 @@ namespace rayfield::density {
 /// uneven density inside a large one is underestimated. The side is `leaf_sides` times that of a square as
 /// large as the leaves look, in whole millimetres.
 struct VoxelFitOptions {
-  bool enabled = true;       ///< false: StretchOptions::voxel_m rules
+  bool enabled = true;       ///< false: RowSegmentOptions::voxel_m rules
   double leaf_sides = 0.85;  ///< 0.5…5; larger underestimates clumped canopies, smaller overestimates large leaves
   double min_m = 0.06;       ///< 0.03…0.3
   double max_m = 0.12;       ///< min_m…0.3; the paper's size
@@ -40,7 +40,7 @@ struct ProcessOptions {
   CanopyMapOptions canopy;
   RowOptions rows;
   PostOptions posts;
-  StretchOptions stretches;
+  RowSegmentOptions segments;
   VoxelFitOptions voxel_fit;
   VoxelOptions voxels;
   EstimatorOptions estimator;
@@ -59,9 +59,9 @@ struct ScanReport {
   std::string scan_id;
   std::uint64_t rays = 0;
   std::size_t files_made = 0, files_kept = 0;
-  double plant_area_m2 = 0;    ///< sum over the panels
-  double element_area_m2 = 0;  ///< area of one leaf, as measured or given
-  double voxel_m = 0;          ///< side of the voxels
+  double plant_area_m2 = 0;  ///< sum over the panels
+  double leaf_size_m2 = 0;   ///< area of one leaf, as measured or given
+  double voxel_m = 0;        ///< side of the voxels
   std::vector<std::string> notes;
 };
 

@@ -20,15 +20,15 @@ enum class VoxelState : std::uint8_t {
   filled = 3       ///< fewer than two rays: value of its slab, or of badly seen voxels, or mean of others, as deep
 };
 
-/// Leaf area density of one row at one date, on one dense grid: the row's stretches side by side. Voxel (along,
+/// Leaf area density of one row at one date, on one dense grid: the row's row segments side by side. Voxel (along,
 /// across, up) has index (along·n_across + across)·n_up + up.
 struct RowDensity {
   int row = 0;
   double voxel_m = 0;
   int n_along = 0, n_across = 0, n_up = 0;
   double across_min_m = 0, up_min_m = 0;
-  std::vector<Stretch> stretches;        ///< of the row, by first_along
-  std::vector<std::int32_t> stretch_of;  ///< per along index: which stretch
+  std::vector<RowSegment> row_segments;  ///< of the row, by first_along
+  std::vector<std::int32_t> segment_of;  ///< per along index: which row segment
   std::vector<double> chainage_m;        ///< per along index: of its low face
   std::vector<float> density;            ///< m²/m³, everything but masked wood
   std::vector<float> variance;           ///< (m²/m³)²
@@ -39,7 +39,7 @@ struct RowDensity {
   std::vector<float> wood_area;        ///< masked wood, m² per voxel (half its surface); empty if there is none
   std::vector<float> free_share;       ///< share of a column outside masked wood, [(along·n_across+across)]; empty = 1
   std::vector<std::uint32_t> entries;  ///< per along index: rays that enter the row there
-  double leaf_area_m2 = 0;             ///< of one leaf, as used
+  double leaf_size_m2 = 0;             ///< of one leaf, as used
 
   std::size_t index(int along, int across, int up) const {
     return (static_cast<std::size_t>(along) * static_cast<std::size_t>(n_across) + static_cast<std::size_t>(across)) *
@@ -49,8 +49,8 @@ struct RowDensity {
   std::size_t column_index(int along, int across) const {
     return static_cast<std::size_t>(along) * static_cast<std::size_t>(n_across) + static_cast<std::size_t>(across);
   }
-  const Stretch& stretch(int along) const {
-    return stretches[static_cast<std::size_t>(stretch_of[static_cast<std::size_t>(along)])];
+  const RowSegment& row_segment(int along) const {
+    return row_segments[static_cast<std::size_t>(segment_of[static_cast<std::size_t>(along)])];
   }
   /// Centre of a column in plan, map coordinates.
   Eigen::Vector2d center(int along, int across) const;
@@ -66,13 +66,13 @@ struct RowDensity {
 /// its density. Memory: 32 B per voxel while collecting (18 MB per 100 m of row at 7 cm).
 class RowDensityBuilder {
  public:
-  /// `stretches`: of that row (others are ignored); all with one voxel size, on one lattice across and upwards
+  /// `row_segments`: of that row (others are ignored); all with one voxel size, on one lattice across and upwards
   /// (across_min_m and up_min_m whole voxels apart). `wood`: as given to the accumulators. `pairs`: of the whole scan;
   /// tells the leaf size unless the options do. Errors: usage.
-  static Result<RowDensityBuilder> create(int row, std::span<const Stretch> stretches,
-                                          std::span<const WoodCylinder> wood, const ElementPairs& pairs,
+  static Result<RowDensityBuilder> create(int row, std::span<const RowSegment> row_segments,
+                                          std::span<const WoodCylinder> wood, const LeafSizePairs& pairs,
                                           const EstimatorOptions& options);
-  /// Errors: damaged, when the tile's voxels do not fit the stretches.
+  /// Errors: damaged, when the tile's voxels do not fit the row segments.
   Result<void> add(const TileVoxels& tile);
   RowDensity finish() &&;
 

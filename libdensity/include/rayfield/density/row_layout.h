@@ -49,14 +49,14 @@ struct RowLayout {
   std::vector<Trunk> trunks;
 };
 
-/// A straight piece of a row with its own frame; voxels are made per stretch, so that rows may curve gently and the
+/// A straight piece of a row with its own frame; voxels are made per row segment, so that rows may curve gently and the
 /// ground under them may roll. Local coordinates of a map point p with (e, n) = p − origin in plan:
 ///   along = e·ux + n·uy, across = −e·uy + n·ux, up = z − (ground_m + slope_along·along + slope_across·across).
 /// The shear keeps straight rays straight and volumes exact (method: terrain-following voxels).
-struct Stretch {
+struct RowSegment {
   int row = 0;                                           ///< Row::number
   int index = 0;                                         ///< along the row, from 0
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();      ///< on the centreline, where the stretch begins
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();      ///< on the centreline, where the row segment begins
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector along the row
   double chainage_m = 0;                                 ///< of the origin along the row
   double ground_m = 0, slope_along = 0, slope_across = 0;

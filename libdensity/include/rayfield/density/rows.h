@@ -7,15 +7,15 @@
 
 #include "rayfield/core/result.h"
 #include "rayfield/density/canopy_map.h"
-#include "rayfield/density/drives.h"
+#include "rayfield/density/passes.h"
 #include "rayfield/density/row_layout.h"
 
 namespace rayfield::density {
 
-/// Rows are traced in the canopy beside every drive, so that they may stand in any direction and curve gently, and are
+/// Rows are traced in the canopy beside every pass, so that they may stand in any direction and curve gently, and are
 /// then verified: a lane outside of the block, a headland, a fence or a line of trees makes no row.
 struct RowOptions {
-  DriveOptions drives;
+  PassOptions passes;
   double min_offset_m = 0.5;         ///< nearest a row can stand to the vehicle's track, 0.2…2
   double max_offset_m = 2.6;         ///< furthest: half the widest lane, 1…6
   double half_width_m = 0.3;         ///< of the core of a canopy, in which its strength is measured, 0.1…1
@@ -37,12 +37,12 @@ struct RejectedRow {
 
 struct RowFindings {
   RowLayout layout;       ///< rows and spacing; no posts or panels yet
-  StraightRun direction;  ///< of the longest straight drive (paper)
-  std::vector<Drive> drives;
+  StraightRun direction;  ///< of the longest straight pass (paper)
+  std::vector<Pass> passes;
   std::vector<RejectedRow> rejected;
 };
 
-/// Finds all rows that were driven along. No drives or no canopy gives an empty layout (not an error).
+/// Finds all rows that were driven along. No passes or no canopy gives an empty layout (not an error).
 /// Rows are numbered from 1 from the left of the canonical direction: northward, or eastward for rows within 15° of
 /// east-west; every centreline points that way. Rows of other directions (sub-blocks) follow, each group ordered so.
 Result<RowFindings> find_rows(std::span<const PathPoint> path, const CanopyMap& canopy, const RowOptions& options);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "rayfield/core/result.h"
-#include "rayfield/density/element_size.h"
 #include "rayfield/density/leaf_angle.h"
+#include "rayfield/density/leaf_size.h"
 #include "rayfield/density/row_layout.h"
 #include "rayfield/density/wood.h"
 #include "rayfield/tile/segments.h"
@@ -47,12 +47,12 @@ struct VoxelCounters {
 };
 static_assert(sizeof(VoxelCounters) == 32, "two to a cache line");
 
-/// The voxels of one stretch whose columns belong to one tile: a column belongs to the tile that holds its centre.
-struct StretchVoxels {
-  Stretch stretch;
+/// The voxels of one row segment whose columns belong to one tile: a column belongs to the tile that holds its centre.
+struct RowSegmentVoxels {
+  RowSegment row_segment;
   std::vector<std::int32_t> column;  ///< n_along·n_across, [along·n_across + across]: number of the column here, or -1
   std::vector<std::uint32_t> entries;  ///< per column here: rays that enter the row's grid there (through any face but
-                                       ///< the ends of the stretch) or start there; each ray once
+                                       ///< the ends of the row segment) or start there; each ray once
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
 
   std::size_t column_count() const { return entries.size(); }
@@ -63,21 +63,23 @@ struct StretchVoxels {
 /// What one tile of one scan knows of the voxels in it.
 struct TileVoxels {
   tile::TileIndex tile;
-  std::vector<StretchVoxels> stretches;  ///< in the order given; stretches without a column in the tile are left out
-  ElementPairs pairs;                    ///< of the hits counted here; summed over a scan they tell the leaves' size
+  std::vector<RowSegmentVoxels>
+      row_segments;     ///< in the order given; row segments without a column in the tile are left out
+  LeafSizePairs pairs;  ///< of the hits counted here; summed over a scan they tell the leaves' size
 };
 
 /// Centre of a voxel column in plan, map coordinates.
-Eigen::Vector2d column_center(const Stretch& stretch, int along, int across);
+Eigen::Vector2d column_center(const RowSegment& row_segment, int along, int across);
 
-/// Counts the segments of one tile into the voxels of all stretches that touch it. add() from one thread at a time;
+/// Counts the segments of one tile into the voxels of all row segments that touch it. add() from one thread at a time;
 /// for more threads give each its own accumulator (fork()) and merge(): sums are integers, so any split of the
 /// segments gives the same result.
 class VoxelAccumulator {
  public:
-  /// `tile_size_m`: the store's. Errors: usage (options, stretches with no voxels or a size that is not positive).
-  static Result<VoxelAccumulator> create(tile::TileIndex tile, double tile_size_m, std::span<const Stretch> stretches,
-                                         std::span<const WoodCylinder> wood, const VoxelOptions& options);
+  /// `tile_size_m`: the store's. Errors: usage (options, row segments with no voxels or a size that is not positive).
+  static Result<VoxelAccumulator> create(tile::TileIndex tile, double tile_size_m,
+                                         std::span<const RowSegment> row_segments, std::span<const WoodCylinder> wood,
+                                         const VoxelOptions& options);
   VoxelAccumulator(VoxelAccumulator&&) noexcept;
   VoxelAccumulator& operator=(VoxelAccumulator&&) noexcept;
   ~VoxelAccumulator();
@@ -92,7 +94,7 @@ class VoxelAccumulator {
   Result<void> merge(const VoxelAccumulator& other);
   TileVoxels finish() &&;
 
-  /// No column of any stretch lies in the tile: nothing to count.
+  /// No column of any row segment lies in the tile: nothing to count.
   bool empty() const;
   std::size_t memory_bytes() const;
 
@@ -116,8 +118,8 @@ class VoxelAccumulator {
   void for_rays(const tile::SegmentBatch& segments, Meet meet);
   explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
   std::shared_ptr<const Geometry> geometry_;
-  std::vector<StretchVoxels> sums_;
-  ElementPairs pairs_;
+  std::vector<RowSegmentVoxels> sums_;
+  LeafSizePairs pairs_;
   std::uint64_t segments_ = 0;
 };
 

@@ -17,10 +17,10 @@
 namespace rayfield::density {
 
 /// The voxel grids of a scan: extents per row from the canopy's end points (paper, appendix Voxelisation), cut into
-/// straight stretches that follow the centreline and the ground.
-struct StretchOptions {
+/// straight row segments that follow the centreline and the ground.
+struct RowSegmentOptions {
   double voxel_m = 0.08;        ///< 0.03…0.3; see docs/density.md, "Voxel size"; the paper has 0.12
-  int voxels_per_stretch = 38;  ///< 4…200; 38 × 0.08 = 3.04 m; shorter follows curves and relief more closely
+  int voxels_per_segment = 38;  ///< 4…200; 38 × 0.08 = 3.04 m; shorter follows curves and relief more closely
   double up_min_m = 0.30;       ///< low face above the ground, 0…1.5
   double across_low = 0.02, across_high = 0.98;  ///< quantiles of end points across the row
   double up_high = 0.97;                         ///< quantile of end points upwards
@@ -35,8 +35,8 @@ struct StretchOptions {
   Result<void> validate() const;
 };
 
-/// The same options with voxels of another size and stretches of about the same length.
-StretchOptions with_voxel_size(const StretchOptions& options, double voxel_m);
+/// The same options with voxels of another size and row segments of about the same length.
+RowSegmentOptions with_voxel_size(const RowSegmentOptions& options, double voxel_m);
 
 /// Hits of one scan across and above each row.
 struct CanopyProfile {
@@ -50,7 +50,7 @@ class CanopyProfileAccumulator {
  public:
   /// `layout` and `ground` must outlive the accumulator.
   CanopyProfileAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
-                           const GroundModel& ground, const StretchOptions& options);
+                           const GroundModel& ground, const RowSegmentOptions& options);
   ~CanopyProfileAccumulator();
   CanopyProfileAccumulator(const CanopyProfileAccumulator&);
   CanopyProfileAccumulator& operator=(const CanopyProfileAccumulator&) = delete;
@@ -67,7 +67,7 @@ class CanopyProfileAccumulator {
 
 Result<CanopyProfile> canopy_profile_of_tile(const tile::Store::TileReader& reader, tile::TileIndex index,
                                              double tile_size_m, const RowLayout& layout, const GroundModel& ground,
-                                             const StretchOptions& options, int threads);
+                                             const RowSegmentOptions& options, int threads);
 
 /// Adds the profile of another tile of the same scan.
 void add_profile(CanopyProfile& total, const CanopyProfile& tile);
@@ -84,21 +84,21 @@ struct RowExtents {
 /// Faces from quantiles, widened, at least the minimum and at most half the row spacing, snapped to whole voxels.
 /// Rows without hits get the minimum, so that they are reported as scanned and empty where rays cross them.
 std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile,
-                                    const StretchOptions& options);
+                                    const RowSegmentOptions& options);
 
-struct StretchList {
-  std::vector<Stretch> stretches;  ///< by row, then along
+struct RowSegmentList {
+  std::vector<RowSegment> row_segments;  ///< by row, then along
   std::vector<RowExtents> extents;
-  std::vector<std::string> warnings;  ///< stretches left out, with the reason
+  std::vector<std::string> warnings;  ///< row segments left out, with the reason
 };
 
-/// Cuts every row into stretches. A stretch whose ground is unknown is left out and named in the warnings.
-Result<StretchList> make_stretches(const RowLayout& layout, const GroundModel& ground, const CanopyProfile& profile,
-                                   const StretchOptions& options);
+/// Cuts every row into row segments. A row segment whose ground is unknown is left out and named in the warnings.
+Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundModel& ground,
+                                          const CanopyProfile& profile, const RowSegmentOptions& options);
 
 /// Stored form, kind "stretches" version 1.
-tile::ArraySet stretches_to_arrays(const StretchList& list);
+tile::ArraySet row_segments_to_arrays(const RowSegmentList& list);
 /// Errors: damaged. Warnings are not stored.
-Result<StretchList> stretches_from_arrays(const tile::ArraySet& arrays);
+Result<RowSegmentList> row_segments_from_arrays(const tile::ArraySet& arrays);
 
 }  // namespace rayfield::density

@@ -1,4 +1,4 @@
-#include "rayfield/density/element_size.h"
+#include "rayfield/density/leaf_size.h"
 
 #include <gtest/gtest.h>
 
@@ -16,86 +16,87 @@ namespace {
 using testing::Hedge;
 using testing::HedgeOptions;
 
-ElementPairs pairs_of(const Hedge& hedge) {
+LeafSizePairs pairs_of(const Hedge& hedge) {
   const auto rays = hedge.scan({});
-  ElementPairs out;
+  LeafSizePairs out;
   VoxelOptions count_all;
   count_all.sure_return_m = 0;  // no ray of these scans is missing
   for (int iy = -1; iy <= 0; ++iy)
     for (int ix = -1; ix <= 0; ++ix) {
-      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, hedge.stretches(0.12, 0.72, 2.4), {}, count_all);
+      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, hedge.row_segments(0.12, 0.72, 2.4), {}, count_all);
       if (!accumulator || !accumulator->add(rays)) return {};
       out += std::move(*accumulator).finish().pairs;
     }
   return out;
 }
 
-TEST(ElementSize, LeavesAreMeasuredWithinFifteenPercentFromThirtyFiveToAHundredSquareCentimetres) {
+TEST(LeafSize, LeavesAreMeasuredWithinFifteenPercentFromThirtyFiveToAHundredSquareCentimetres) {
   for (const double area : {0.0035, 0.0065, 0.0100})
     for (const double per_metre : {1.5, 5.0}) {
       HedgeOptions options;
-      options.leaf_area_m2 = area, options.leaf_area_per_m = per_metre;
-      const ElementSize size = estimate_element_size(pairs_of(Hedge(options)));
+      options.leaf_size_m2 = area, options.leaf_area_per_m = per_metre;
+      const LeafSize size = estimate_leaf_size(pairs_of(Hedge(options)));
       EXPECT_TRUE(size.measured);
       EXPECT_NEAR(size.area_m2, area, 0.15 * area) << per_metre << " m²/m";
     }
 }
 
-TEST(ElementSize, LeavesOnShootsLookAtMostAThirdLarger) {
+TEST(LeafSize, LeavesOnShootsLookAtMostAThirdLarger) {
   HedgeOptions options;
-  options.shoots = true, options.leaf_area_m2 = 0.0065;
-  const double area = estimate_element_size(pairs_of(Hedge(options))).area_m2;
+  options.shoots = true, options.leaf_size_m2 = 0.0065;
+  const double area = estimate_leaf_size(pairs_of(Hedge(options))).area_m2;
   EXPECT_GT(area, 0.0065 * 0.9);
   EXPECT_LT(area, 0.0065 * 1.33);
 }
 
-TEST(ElementSize, BeamsAloneGiveThePairsOfAFullCount) {
+TEST(LeafSize, BeamsAloneGiveThePairsOfAFullCount) {
   HedgeOptions options;
   options.post_every_m = 3;
   const Hedge hedge(options);
   const auto rays = hedge.scan({});
   const auto posts = hedge.posts();
-  auto full = VoxelAccumulator::create({0, -1}, 1000, hedge.stretches(0.08, 0.72, 2.4), posts, {});
+  auto full = VoxelAccumulator::create({0, -1}, 1000, hedge.row_segments(0.08, 0.72, 2.4), posts, {});
   ASSERT_TRUE(full.has_value());
   VoxelAccumulator beams = full->fork();
   ASSERT_TRUE(full->add(rays).has_value());
   beams.add_pairs(rays);
   const TileVoxels counted = std::move(*full).finish(), alone = std::move(beams).finish();
   std::uint64_t pairs = 0, difference = 0;
-  for (std::size_t i = 0; i < ElementPairs::kBins; ++i) {
+  for (std::size_t i = 0; i < LeafSizePairs::kBins; ++i) {
     pairs += counted.pairs.near[i];
-    for (const auto part : {&ElementPairs::near, &ElementPairs::front, &ElementPairs::same, &ElementPairs::behind}) {
+    for (const auto part :
+         {&LeafSizePairs::near, &LeafSizePairs::front, &LeafSizePairs::same, &LeafSizePairs::behind}) {
       const std::uint64_t a = (counted.pairs.*part)[i], b = (alone.pairs.*part)[i];
       difference += a > b ? a - b : b - a;
     }
   }
   EXPECT_GT(pairs, 5000u);
   EXPECT_LE(difference, pairs / 10000) << "hits on the very face of a voxel may fall on either side";
-  for (const StretchVoxels& s : alone.stretches)
+  for (const RowSegmentVoxels& s : alone.row_segments)
     for (const VoxelCounters& v : s.voxels) ASSERT_EQ(v.rays, 0u);
 }
 
-TEST(ElementSize, TooFewPairsGiveTheDefaultAndSaySo) {
-  const ElementSize size = estimate_element_size({});
+TEST(LeafSize, TooFewPairsGiveTheDefaultAndSaySo) {
+  const LeafSize size = estimate_leaf_size({});
   EXPECT_FALSE(size.measured);
-  EXPECT_EQ(size.area_m2, ElementSize::kDefaultAreaM2);
+  EXPECT_EQ(size.area_m2, LeafSize::kDefaultAreaM2);
 }
 
-TEST(ElementSize, ParallelRaysShareAnElementLessTheFurtherApartTheyAre) {
+TEST(LeafSize, ParallelRaysShareALeafLessTheFurtherApartTheyAre) {
   // Face-on squares of side l: E[(1−|Δu|/l)(1−|Δv|/l)] over the turn = 1 − 4r/(πl) + r²/(πl²). Tilted ones are shorter.
   const double l = 0.08;
   double last = 1;
   for (const double r : {0.005, 0.01, 0.02, 0.04, 0.08}) {
-    const double p = same_element_probability(r, l, 0.001);
+    const double p = same_leaf_probability(r, l, 0.001);
     EXPECT_LT(p, last);
     EXPECT_LT(p, 1 - 4 * r / (3.14159265 * l) + r * r / (3.14159265 * l * l) + 0.01);
     last = p;
   }
-  EXPECT_GT(same_element_probability(0.001, l, 0.001), 0.95);
+  EXPECT_GT(same_leaf_probability(0.001, l, 0.001), 0.95);
 }
 
-TEST(ElementSize, PairsAreSortedByWhereTheNextRayEnds) {
-  ElementPairs pairs;
+TEST(LeafSize, PairsAreSortedByWhereTheNextRayEnds) {
+  LeafSizePairs pairs;
   pairs.add(0.012, -0.2, true);   // ended long before: never came near
   pairs.add(0.012, -0.07, true);  // in front
   pairs.add(0.012, 0.01, true);   // at the same depth
@@ -140,7 +141,7 @@ Shadow random_shadow(double side, double v, std::mt19937_64& rng) {
   return s;
 }
 
-TEST(ElementShadow, IsTheShareOfPathThatElementsHitInTheVoxelTakeAwayFromLinesOfTheSameDirection) {
+TEST(LeafShadow, IsTheShareOfPathThatLeavesHitInTheVoxelTakeAwayFromLinesOfTheSameDirection) {
   for (const double area : {0.0020, 0.0069, 0.0140})
     for (const double voxel : {0.06, 0.08, 0.12}) {
       std::mt19937_64 rng(5);
@@ -152,17 +153,17 @@ TEST(ElementShadow, IsTheShareOfPathThatElementsHitInTheVoxelTakeAwayFromLinesOf
         in_front += s.weight * s.in_front, inside += s.weight * s.inside;
       }
       const double norm = trials / (weights * chords);
-      const ElementShadow shadow = element_shadow(area, voxel);
+      const LeafShadow shadow = leaf_shadow(area, voxel);
       EXPECT_NEAR(shadow.in_front, in_front * norm, 0.04 * in_front * norm + 3e-4) << area << " " << voxel;
       EXPECT_NEAR(shadow.inside, inside * norm, 0.04 * inside * norm) << area << " " << voxel;
     }
 }
 
-TEST(ElementShadow, VanishesWithTheElementAndGrowsWithIt) {
-  EXPECT_EQ(element_shadow(0, 0.08).in_front + element_shadow(0, 0.08).inside, 0);
-  EXPECT_LT(element_shadow(1e-7, 0.08).inside, 1e-4);
-  EXPECT_GT(element_shadow(0.01, 0.08).in_front, element_shadow(0.005, 0.08).in_front);
-  EXPECT_GT(element_shadow(0.01, 0.08).inside, element_shadow(0.005, 0.08).inside);
+TEST(LeafShadow, VanishesWithTheLeafAndGrowsWithIt) {
+  EXPECT_EQ(leaf_shadow(0, 0.08).in_front + leaf_shadow(0, 0.08).inside, 0);
+  EXPECT_LT(leaf_shadow(1e-7, 0.08).inside, 1e-4);
+  EXPECT_GT(leaf_shadow(0.01, 0.08).in_front, leaf_shadow(0.005, 0.08).in_front);
+  EXPECT_GT(leaf_shadow(0.01, 0.08).inside, leaf_shadow(0.005, 0.08).inside);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "rayfield/density/drives.h"
+#include "rayfield/density/passes.h"
 
 #include <gtest/gtest.h>
 
@@ -26,51 +26,51 @@ std::vector<Eigen::Vector2d> there_and_back() {
   return line;
 }
 
-TEST(Drives, AreCutAtTheHeadlandTurn) {
-  const auto drives = find_drives(path_of(there_and_back()), {});
-  ASSERT_EQ(drives.size(), 2U);
-  for (const Drive& drive : drives) EXPECT_NEAR(drive.length_m(), 30, 2.5);
-  EXPECT_GT(drives[0].line.back().y(), drives[0].line.front().y());
-  EXPECT_LT(drives[1].line.back().y(), drives[1].line.front().y());
-  EXPECT_LT(drives[0].end_time_s, drives[1].start_time_s);
+TEST(Passes, AreCutAtTheHeadlandTurn) {
+  const auto passes = find_passes(path_of(there_and_back()), {});
+  ASSERT_EQ(passes.size(), 2U);
+  for (const Pass& pass : passes) EXPECT_NEAR(pass.length_m(), 30, 2.5);
+  EXPECT_GT(passes[0].line.back().y(), passes[0].line.front().y());
+  EXPECT_LT(passes[1].line.back().y(), passes[1].line.front().y());
+  EXPECT_LT(passes[0].end_time_s, passes[1].start_time_s);
 }
 
-TEST(Drives, FollowCurvedLanesInOnePiece) {
+TEST(Passes, FollowCurvedLanesInOnePiece) {
   std::vector<Eigen::Vector2d> arc;
   for (int i = 0; i <= 400; ++i) arc.emplace_back(60 * std::cos(0.002 * i), 60 * std::sin(0.002 * i));
-  const auto drives = find_drives(path_of(arc), {});
-  ASSERT_EQ(drives.size(), 1U);
-  EXPECT_NEAR(drives[0].length_m(), 48, 1);
+  const auto passes = find_passes(path_of(arc), {});
+  ASSERT_EQ(passes.size(), 1U);
+  EXPECT_NEAR(passes[0].length_m(), 48, 1);
 }
 
-TEST(Drives, AreCutWhereTheTrackJumpsAndIgnoreStandstills) {
+TEST(Passes, AreCutWhereTheTrackJumpsAndIgnoreStandstills) {
   std::vector<Eigen::Vector2d> line;
   for (int i = 0; i <= 100; ++i) line.emplace_back(0.1 * i, 0);
   for (int i = 0; i < 500; ++i) line.emplace_back(10 + 0.01 * std::sin(i), 0.01 * std::cos(i));  // waiting
   for (int i = 0; i <= 100; ++i) line.emplace_back(10 + 0.1 * i, 0);
   for (int i = 0; i <= 100; ++i) line.emplace_back(40 + 0.1 * i, 5);  // elsewhere
-  const auto drives = find_drives(path_of(line), {});
-  ASSERT_EQ(drives.size(), 2U);
-  EXPECT_NEAR(drives[0].length_m(), 20, 0.6);
-  EXPECT_NEAR(drives[1].length_m(), 10, 0.6);
+  const auto passes = find_passes(path_of(line), {});
+  ASSERT_EQ(passes.size(), 2U);
+  EXPECT_NEAR(passes[0].length_m(), 20, 0.6);
+  EXPECT_NEAR(passes[1].length_m(), 10, 0.6);
 }
 
-TEST(Drives, OfNoPathAreNone) {
-  EXPECT_TRUE(find_drives({}, {}).empty());
+TEST(Passes, OfNoPathAreNone) {
+  EXPECT_TRUE(find_passes({}, {}).empty());
   EXPECT_EQ(longest_straight_run({}).score_m, 0);
 }
 
 TEST(StraightRun, IsThePieceWithTheGreatestLengthSquaredPerWidth) {
   // 20 m straight at 30° from east, then a bend: adding the bend makes the box wide faster than it makes it long.
-  Drive drive;
+  Pass pass;
   const Eigen::Vector2d u(std::cos(M_PI / 6), std::sin(M_PI / 6));
-  for (int i = 0; i <= 40; ++i) drive.line.push_back(u * (0.5 * i));
+  for (int i = 0; i <= 40; ++i) pass.line.push_back(u * (0.5 * i));
   for (int i = 1; i <= 20; ++i) {
     const double a = M_PI / 6 + 0.05 * i;
-    drive.line.push_back(drive.line.back() + 0.5 * Eigen::Vector2d(std::cos(a), std::sin(a)));
+    pass.line.push_back(pass.line.back() + 0.5 * Eigen::Vector2d(std::cos(a), std::sin(a)));
   }
-  const std::vector<Drive> drives{drive};
-  const StraightRun run = longest_straight_run(drives);
+  const std::vector<Pass> passes{pass};
+  const StraightRun run = longest_straight_run(passes);
   EXPECT_NEAR(std::abs(run.direction.dot(u)), 1, 1e-3);
   EXPECT_NEAR(run.length_m, 20, 1.6);
   EXPECT_NEAR(run.score_m, run.length_m * run.length_m / run.width_m, 1e-9);

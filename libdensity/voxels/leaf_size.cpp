@@ -1,4 +1,4 @@
-#include "rayfield/density/element_size.h"
+#include "rayfield/density/leaf_size.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +32,8 @@ class Uniform {
   std::mt19937_64 engine_;
 };
 
-/// Where a parallel ray at unit lateral distance meets the plane of an element that a ray along z has hit: offset in
-/// the element's own axes and along the ray, and the noise of the two ranges in units of their standard deviation.
+/// Where a parallel ray at unit lateral distance meets the plane of a leaf that a ray along z has hit: offset in
+/// the leaf's own axes and along the ray, and the noise of the two ranges in units of their standard deviation.
 struct PlaneSample {
   double u, v, along, noise;
 };
@@ -43,7 +43,7 @@ std::vector<PlaneSample> plane_samples() {
   out.reserve(kSamples);
   Uniform uniform(20190211);
   for (int i = 0; i < kSamples; ++i) {
-    // A ray hits elements in proportion to |cos| of the angle to their normal: cos = √uniform.
+    // A ray hits leaves in proportion to |cos| of the angle to their normal: cos = √uniform.
     const double c = std::sqrt(uniform()), s = std::sqrt(1 - c * c);
     const double azimuth = 2 * kPi * uniform(), turn = 2 * kPi * uniform();
     const double x = std::cos(azimuth), y = std::sin(azimuth);
@@ -55,20 +55,20 @@ std::vector<PlaneSample> plane_samples() {
   return out;
 }
 
-/// Probabilities that the parallel ray ends on the same element: with a difference of range inside ±w, and in each of
+/// Probabilities that the parallel ray ends on the same leaf: with a difference of range inside ±w, and in each of
 /// the windows −2w…−w and w…2w (equal by symmetry).
-struct SameElement {
+struct SameLeaf {
   double centre = 0, side = 0;
 };
 
-SameElement same_element(const std::vector<PlaneSample>& samples, double r, double side_m, double noise) {
-  SameElement out;
+SameLeaf same_leaf(const std::vector<PlaneSample>& samples, double r, double side_m, double noise) {
+  SameLeaf out;
   for (const PlaneSample& p : samples) {
     const double difference = std::abs(r * p.along + noise * p.noise);
-    if (difference >= 2 * ElementPairs::kWindowM) continue;
+    if (difference >= 2 * LeafSizePairs::kWindowM) continue;
     // The first ray hits anywhere on the square: share of places from which the offset stays on it.
     const double share = std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
-    (difference < ElementPairs::kWindowM ? out.centre : out.side) += share;
+    (difference < LeafSizePairs::kWindowM ? out.centre : out.side) += share;
   }
   out.centre /= static_cast<double>(samples.size());
   out.side /= 2 * static_cast<double>(samples.size());
@@ -81,11 +81,11 @@ struct Observed {
   double front, centre, behind;  ///< share that ends in each window, of those that enter it
 };
 
-std::vector<Observed> observe(const ElementPairs& pairs, double from_m, double to_m) {
+std::vector<Observed> observe(const LeafSizePairs& pairs, double from_m, double to_m) {
   std::vector<Observed> out;
-  for (int b = 0; b < ElementPairs::kBins; ++b) {
+  for (int b = 0; b < LeafSizePairs::kBins; ++b) {
     const auto i = static_cast<std::size_t>(b);
-    const double r = (b + 0.5) * ElementPairs::kStepM;
+    const double r = (b + 0.5) * LeafSizePairs::kStepM;
     const auto near = static_cast<double>(pairs.near[i]), front = static_cast<double>(pairs.front[i]);
     const auto same = static_cast<double>(pairs.same[i]), behind = static_cast<double>(pairs.behind[i]);
     const double arrive = near - front, left = arrive - same;
@@ -101,9 +101,9 @@ double total_weight(const std::vector<Observed>& observed) {
   return sum;
 }
 
-/// How much more often rays end at the same depth than elements of that size, and others at the hazards seen in front
-/// and behind, make them. The outer windows hold some of the same element too, which is taken out of the hazards.
-double excess_at_depth(const Observed& o, const SameElement& q) {
+/// How much more often rays end at the same depth than leaves of that size, and others at the hazards seen in front
+/// and behind, make them. The outer windows hold some of the same leaf too, which is taken out of the hazards.
+double excess_at_depth(const Observed& o, const SameLeaf& q) {
   const double survive_front = (1 - o.front) / (1 - q.side);
   const double centre = q.centre / (1 - q.side);
   const double behind = std::min(0.99, q.side / std::max(0.01, 1 - q.side - q.centre));
@@ -113,7 +113,7 @@ double excess_at_depth(const Observed& o, const SameElement& q) {
 
 }  // namespace
 
-ElementPairs& ElementPairs::operator+=(const ElementPairs& other) {
+LeafSizePairs& LeafSizePairs::operator+=(const LeafSizePairs& other) {
   for (std::size_t i = 0; i < near.size(); ++i) {
     near[i] += other.near[i], front[i] += other.front[i];
     same[i] += other.same[i], behind[i] += other.behind[i];
@@ -121,7 +121,7 @@ ElementPairs& ElementPairs::operator+=(const ElementPairs& other) {
   return *this;
 }
 
-void ElementPairs::add(double distance_m, double delta_m, bool hit) {
+void LeafSizePairs::add(double distance_m, double delta_m, bool hit) {
   const double bin = distance_m / kStepM;
   if (!(bin < kBins) || delta_m < -2 * kWindowM || (!hit && delta_m < 2 * kWindowM)) return;
   const auto i = static_cast<std::size_t>(bin);
@@ -135,14 +135,14 @@ void ElementPairs::add(double distance_m, double delta_m, bool hit) {
     ++behind[i];
 }
 
-double same_element_probability(double distance_m, double side_m, double range_noise_m) {
+double same_leaf_probability(double distance_m, double side_m, double range_noise_m) {
   static const std::vector<PlaneSample> samples = plane_samples();
-  return same_element(samples, distance_m, side_m, range_noise_m).centre;
+  return same_leaf(samples, distance_m, side_m, range_noise_m).centre;
 }
 
-ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_m) {
+LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
   static const std::vector<PlaneSample> samples = plane_samples();
-  ElementSize out;
+  LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
   // lidars with coarse steps. Nearer than 1 cm both beams are the same surface whatever its size.
   std::vector<Observed> observed = observe(pairs, 0.01, 0.04);
@@ -156,7 +156,7 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
     // A share f of hits on canes and wires takes f·q from q ≈ 1 − 4r/(π·side): its pull on the side, f·q/(dq/dside),
     // goes with 1/r. Distances weigh with r², as if that were their error.
     for (const Observed& o : observed)
-      excess += o.weight * o.r * o.r * excess_at_depth(o, same_element(samples, o.r, side, range_noise_m));
+      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(samples, o.r, side, range_noise_m));
     (excess > 0 ? low : high) = side;
   }
   out.area_m2 = low * high;
@@ -164,7 +164,7 @@ ElementSize estimate_element_size(const ElementPairs& pairs, double range_noise_
   return out;
 }
 
-ElementShadow element_shadow(double area_m2, double voxel_m) {
+LeafShadow leaf_shadow(double area_m2, double voxel_m) {
   if (!(area_m2 > 0) || !(voxel_m > 0)) return {};
   const double side = std::sqrt(area_m2), dt = voxel_m / 24;
   const int steps = static_cast<int>(std::ceil((1.75 * voxel_m + 2 * side) / dt));
@@ -176,12 +176,12 @@ ElementShadow element_shadow(double area_m2, double voxel_m) {
       p *= std::max(0.0, 1 - (std::max({0.0, a[k], b[k]}) - std::min({0.0, a[k], b[k]})) / voxel_m);
     return p;
   };
-  // Lengths of shadow in the voxel, by whether the point of the element that casts it lies there too.
+  // Lengths of shadow in the voxel, by whether the point of the leaf that casts it lies there too.
   double all = 0, inside = 0, hits = 0;
   for (int i = 0; i < kSamples; ++i) {
     const Eigen::Vector3d normal = uniform.direction(), ray = uniform.direction();
     const Eigen::Vector3d axis_u = normal.unitOrthogonal(), axis_v = normal.cross(axis_u);
-    // From the hit, inside the voxel, to another random point of the element.
+    // From the hit, inside the voxel, to another random point of the leaf.
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
     const double cosine = std::abs(normal.dot(ray));  // hits are as frequent, and shadows as wide
     hits += cosine;

@@ -1,4 +1,4 @@
-#include "rayfield/density/stretches.h"
+#include "rayfield/density/row_segments.h"
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -42,7 +42,7 @@ double share_outside(const std::vector<std::int64_t>& counts, double first_m, do
   return total > 0 ? static_cast<double>(outside) / static_cast<double>(total) : 0.0;
 }
 
-RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit_m, const StretchOptions& o) {
+RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit_m, const RowSegmentOptions& o) {
   RowExtents e;
   e.row = number;
   e.across_low_m = e.across_high_m = e.up_high_m = kNaN;
@@ -73,8 +73,8 @@ RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit
   return e;
 }
 
-// Least-squares plane through the ground under a stretch, in its own axes. False where too little ground is known.
-bool fit_ground(const GroundModel& ground, double length_m, double across_min_m, double across_max_m, Stretch& s) {
+// Least-squares plane through the ground under a row segment, in its own axes. False where too little ground is known.
+bool fit_ground(const GroundModel& ground, double length_m, double across_min_m, double across_max_m, RowSegment& s) {
   constexpr int kAlong = 7, kAcross = 5;
   const Eigen::Vector2d left(-s.direction.y(), s.direction.x());
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -103,13 +103,14 @@ bool fit_ground(const GroundModel& ground, double length_m, double across_min_m,
 
 }  // namespace
 
-Result<void> StretchOptions::validate() const {
+Result<void> RowSegmentOptions::validate() const {
   const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
     if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, kWhat, name, "value out of range", "see rayfield/density/stretches.h for the ranges");
+    return fail(ErrorCode::usage, kWhat, name, "value out of range",
+                "see rayfield/density/row_segments.h for the ranges");
   };
   RAYFIELD_CHECK(check("voxel_m", voxel_m, 0.03, 0.3));
-  RAYFIELD_CHECK(check("voxels_per_stretch", voxels_per_stretch, 4, 200));
+  RAYFIELD_CHECK(check("voxels_per_segment", voxels_per_segment, 4, 200));
   RAYFIELD_CHECK(check("up_min_m", up_min_m, 0, 1.5));
   RAYFIELD_CHECK(check("across_low", across_low, 0, 0.4));
   RAYFIELD_CHECK(check("across_high", across_high, 0.6, 1));
@@ -123,27 +124,27 @@ Result<void> StretchOptions::validate() const {
 }
 
 std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile,
-                                    const StretchOptions& options) {
+                                    const RowSegmentOptions& options) {
   const double limit = layout.spacing_m > 0 ? 0.5 * layout.spacing_m : options.lone_half_width_m;
   std::vector<RowExtents> extents;
   for (const Row& row : layout.rows) extents.push_back(extents_of_row(row.number, profile, limit, options));
   return extents;
 }
 
-Result<StretchList> make_stretches(const RowLayout& layout, const GroundModel& ground, const CanopyProfile& profile,
-                                   const StretchOptions& options) {
+Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundModel& ground,
+                                          const CanopyProfile& profile, const RowSegmentOptions& options) {
   RAYFIELD_CHECK(options.validate());
-  StretchList out;
+  RowSegmentList out;
   out.extents = row_extents(layout, profile, options);
   for (std::size_t r = 0; r < layout.rows.size(); ++r) {
     const Row& row = layout.rows[r];
     const RowExtents& e = out.extents[r];
     const int columns = std::max(1, static_cast<int>(std::ceil(row.length_m() / options.voxel_m - 1e-6)));
     int left_out = 0;
-    for (int first = 0, index = 0; first < columns; first += options.voxels_per_stretch, ++index) {
-      Stretch s;
+    for (int first = 0, index = 0; first < columns; first += options.voxels_per_segment, ++index) {
+      RowSegment s;
       s.row = row.number, s.index = index, s.first_along = first, s.voxel_m = options.voxel_m;
-      s.n_along = std::min(options.voxels_per_stretch, columns - first);
+      s.n_along = std::min(options.voxels_per_segment, columns - first);
       s.chainage_m = first * options.voxel_m;
       const double length = s.n_along * options.voxel_m;
       s.origin = point_at(row.centreline, s.chainage_m).position;
@@ -152,25 +153,25 @@ Result<StretchList> make_stretches(const RowLayout& layout, const GroundModel& g
       s.n_across = static_cast<int>(std::lround((e.across_max_m - e.across_min_m) / options.voxel_m));
       s.n_up = static_cast<int>(std::lround((e.up_max_m - options.up_min_m) / options.voxel_m));
       if (fit_ground(ground, length, e.across_min_m, e.across_max_m, s)) {
-        out.stretches.push_back(s);
+        out.row_segments.push_back(s);
       } else {
         ++left_out;
       }
     }
     if (left_out > 0)
       out.warnings.push_back(
-          fmt::format("row {}: {} stretches of {:.1f} m have no voxels because the ground under them is unknown",
-                      row.number, left_out, options.voxels_per_stretch * options.voxel_m));
+          fmt::format("row {}: {} row segments of {:.1f} m have no voxels because the ground under them is unknown",
+                      row.number, left_out, options.voxels_per_segment * options.voxel_m));
   }
   return out;
 }
 
-StretchOptions with_voxel_size(const StretchOptions& options, double voxel_m) {
-  StretchOptions changed = options;
+RowSegmentOptions with_voxel_size(const RowSegmentOptions& options, double voxel_m) {
+  RowSegmentOptions changed = options;
   changed.voxel_m = voxel_m;
   if (!(voxel_m > 0)) return changed;  // refused by validate()
-  changed.voxels_per_stretch =
-      std::max(4, static_cast<int>(std::lround(options.voxels_per_stretch * options.voxel_m / voxel_m)));
+  changed.voxels_per_segment =
+      std::max(4, static_cast<int>(std::lround(options.voxels_per_segment * options.voxel_m / voxel_m)));
   return changed;
 }
 

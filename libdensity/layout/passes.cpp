@@ -1,4 +1,4 @@
-#include "rayfield/density/drives.h"
+#include "rayfield/density/passes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ struct Sample {
 };
 
 // Vertices at equal distances along the path; a jump starts a new piece. Standstills shrink to nothing.
-std::vector<std::vector<Sample>> resample(std::span<const PathPoint> path, const DriveOptions& options) {
+std::vector<std::vector<Sample>> resample(std::span<const PathPoint> path, const PassOptions& options) {
   std::vector<std::vector<Sample>> pieces;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Eigen::Vector2d p = path[i].position.head<2>();
@@ -48,7 +48,7 @@ std::vector<Sample> smooth(const std::vector<Sample>& in, int reach) {
 }
 
 // True where the heading changes over four metres by more than a bend of min_radius_m would.
-std::vector<bool> turning(const std::vector<Sample>& s, const DriveOptions& options) {
+std::vector<bool> turning(const std::vector<Sample>& s, const PassOptions& options) {
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / options.spacing_m)));
   const int n = static_cast<int>(s.size());
   std::vector<bool> turn(s.size(), false);
@@ -80,18 +80,18 @@ double piece_score(const std::vector<Eigen::Vector2d>& line, std::size_t i, std:
 
 }  // namespace
 
-Result<void> DriveOptions::validate() const {
+Result<void> PassOptions::validate() const {
   const bool good = spacing_m >= 0.1 && spacing_m <= 2 && min_length_m >= 3 && min_length_m <= 100 &&
                     min_radius_m >= 5 && min_radius_m <= 50 && max_jump_m >= 0.5 && max_jump_m <= 20;
   if (good) return {};
-  return fail(ErrorCode::usage, "cannot find the drives", "options", "value out of range",
-              "see rayfield/density/drives.h for the ranges");
+  return fail(ErrorCode::usage, "cannot find the passes", "options", "value out of range",
+              "see rayfield/density/passes.h for the ranges");
 }
 
-double Drive::length_m() const { return polyline_length(line); }
+double Pass::length_m() const { return polyline_length(line); }
 
-std::vector<Drive> find_drives(std::span<const PathPoint> path, const DriveOptions& options) {
-  std::vector<Drive> drives;
+std::vector<Pass> find_passes(std::span<const PathPoint> path, const PassOptions& options) {
+  std::vector<Pass> passes;
   const int reach = static_cast<int>(std::lround(1.0 / options.spacing_m));
   for (const auto& piece : resample(path, options)) {
     const std::vector<Sample> s = smooth(piece, reach);
@@ -102,20 +102,20 @@ std::vector<Drive> find_drives(std::span<const PathPoint> path, const DriveOptio
         continue;
       }
       std::size_t j = i;
-      Drive drive;
-      while (j < s.size() && !turn[j]) drive.line.push_back(s[j++].p);
-      drive.start_time_s = s[i].time_s, drive.end_time_s = s[j - 1].time_s;
-      if (drive.length_m() >= options.min_length_m) drives.push_back(std::move(drive));
+      Pass pass;
+      while (j < s.size() && !turn[j]) pass.line.push_back(s[j++].p);
+      pass.start_time_s = s[i].time_s, pass.end_time_s = s[j - 1].time_s;
+      if (pass.length_m() >= options.min_length_m) passes.push_back(std::move(pass));
       i = j;
     }
   }
-  return drives;
+  return passes;
 }
 
-StraightRun longest_straight_run(std::span<const Drive> drives) {
+StraightRun longest_straight_run(std::span<const Pass> passes) {
   StraightRun best;
-  for (const Drive& drive : drives) {
-    const auto& line = drive.line;
+  for (const Pass& pass : passes) {
+    const auto& line = pass.line;
     const std::size_t n = line.size();
     for (std::size_t start = 0; start + 2 < n; start += std::max<std::size_t>(1, n / 8)) {
       std::size_t i = start, j = start + 2;

@@ -1,4 +1,4 @@
-#include "rayfield/density/stretches.h"
+#include "rayfield/density/row_segments.h"
 #include "libdensity/voxels/canopy_profile_arrays.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ GroundModel exact_ground(const testing::Height& height) {
   return model;
 }
 
-TEST(Stretches, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
+TEST(RowSegments, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
   Scene scene(41);
   BlockShape block;
   const RowLayout layout = two_rows(block, 3.0);
@@ -49,7 +49,7 @@ TEST(Stretches, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
     const Eigen::Vector2d p = block.at(scene.uniform(0, 1), scene.uniform(-0.4, 0.4));
     scene.add_point({p.x(), p.y(), 100 + scene.uniform(0.3, 1.8)});
   }
-  StretchOptions options;
+  RowSegmentOptions options;
   options.voxel_m = 0.12;
   options.widen_voxels = 0;
   const CanopyProfile profile = testing::profile_of(scene.tiles(), layout, ground, options);
@@ -72,13 +72,13 @@ TEST(Stretches, HaveFacesFromTheQuantilesOfTheCanopyInWholeVoxels) {
   EXPECT_NEAR(extents[1].across_max_m, 0.24, 1e-9);
 }
 
-TEST(Stretches, NeverReachBeyondHalfTheSpacing) {
+TEST(RowSegments, NeverReachBeyondHalfTheSpacing) {
   Scene scene(42);
   BlockShape block;
   const RowLayout layout = two_rows(block, 1.5);
   const GroundModel ground = exact_ground([](double, double) { return 100.0; });
   scene.add_canopy(block, 0, 0, 1, 2000, 0.6);
-  StretchOptions options;
+  RowSegmentOptions options;
   const auto extents = row_extents(layout, testing::profile_of(scene.tiles(), layout, ground, options), options);
   for (const RowExtents& e : extents) {
     EXPECT_GE(e.across_min_m, -0.75);
@@ -86,18 +86,18 @@ TEST(Stretches, NeverReachBeyondHalfTheSpacing) {
   }
 }
 
-TEST(Stretches, CoverTheRowWithoutGapsAndFollowItsCurve) {
+TEST(RowSegments, CoverTheRowWithoutGapsAndFollowItsCurve) {
   BlockShape block;
   block.radius_m = 60, block.length_m = 40;
   const RowLayout layout = two_rows(block, 2.5);
   const GroundModel ground = exact_ground([](double, double) { return 100.0; });
-  const StretchOptions options{.voxel_m = 0.12, .voxels_per_stretch = 25};
-  const auto list = make_stretches(layout, ground, {}, options);
+  const RowSegmentOptions options{.voxel_m = 0.12, .voxels_per_segment = 25};
+  const auto list = make_row_segmentes(layout, ground, {}, options);
   ASSERT_TRUE(list);
   EXPECT_TRUE(list->warnings.empty());
   for (const Row& row : layout.rows) {
     int next = 0, index = 0;
-    for (const Stretch& s : list->stretches) {
+    for (const RowSegment& s : list->row_segments) {
       if (s.row != row.number) continue;
       EXPECT_EQ(s.first_along, next);
       EXPECT_EQ(s.index, index++);
@@ -116,32 +116,32 @@ TEST(Stretches, CoverTheRowWithoutGapsAndFollowItsCurve) {
   }
 }
 
-TEST(Stretches, ShearAlongThePlaneOfTheGround) {
+TEST(RowSegments, ShearAlongThePlaneOfTheGround) {
   BlockShape block;
   block.azimuth_deg = 30;
   // dz/de = 0.06, dz/dn = −0.02; along = (sin 30°, cos 30°), left = (−cos 30°, sin 30°).
   const GroundModel ground =
       exact_ground([](double x, double y) { return 50 + 0.06 * (x - 500000) - 0.02 * (y - 6100000); });
-  const auto list = make_stretches(two_rows(block, 2.5), ground, {}, {});
+  const auto list = make_row_segmentes(two_rows(block, 2.5), ground, {}, {});
   ASSERT_TRUE(list);
-  ASSERT_FALSE(list->stretches.empty());
-  for (const Stretch& s : list->stretches) {
+  ASSERT_FALSE(list->row_segments.empty());
+  for (const RowSegment& s : list->row_segments) {
     EXPECT_NEAR(s.slope_along, 0.06 * 0.5 - 0.02 * std::sqrt(0.75), 1e-3);
     EXPECT_NEAR(s.slope_across, -0.06 * std::sqrt(0.75) - 0.02 * 0.5, 1e-3);
     EXPECT_NEAR(s.ground_m, 50 + 0.06 * (s.origin.x() - 500000) - 0.02 * (s.origin.y() - 6100000), 1e-3);
   }
 }
 
-TEST(Stretches, OverUnknownGroundAreLeftOutAndNamed) {
+TEST(RowSegments, OverUnknownGroundAreLeftOutAndNamed) {
   GroundModel nothing(testing::kTile);
-  const auto list = make_stretches(two_rows(BlockShape{}, 2.5), nothing, {}, {});
+  const auto list = make_row_segmentes(two_rows(BlockShape{}, 2.5), nothing, {}, {});
   ASSERT_TRUE(list);
-  EXPECT_TRUE(list->stretches.empty());
+  EXPECT_TRUE(list->row_segments.empty());
   ASSERT_EQ(list->warnings.size(), 2U);
   EXPECT_NE(list->warnings[0].find("ground"), std::string::npos);
 }
 
-TEST(Stretches, DoNotCountHitsBeyondARowsEnd) {
+TEST(RowSegments, DoNotCountHitsBeyondARowsEnd) {
   Scene scene(43);
   BlockShape block;
   const RowLayout layout = two_rows(block, 3.0);
@@ -154,22 +154,22 @@ TEST(Stretches, DoNotCountHitsBeyondARowsEnd) {
   EXPECT_EQ(row_extents(layout, profile, {})[0].hits, inside);
 }
 
-TEST(Stretches, SurviveStorage) {
+TEST(RowSegments, SurviveStorage) {
   const GroundModel ground = exact_ground([](double x, double) { return 0.02 * (x - 500000); });
-  const auto list = make_stretches(two_rows(BlockShape{}, 2.5), ground, {}, {});
+  const auto list = make_row_segmentes(two_rows(BlockShape{}, 2.5), ground, {}, {});
   ASSERT_TRUE(list);
-  const auto back = stretches_from_arrays(stretches_to_arrays(*list));
+  const auto back = row_segments_from_arrays(row_segments_to_arrays(*list));
   ASSERT_TRUE(back) << back.error().line();
-  ASSERT_EQ(back->stretches.size(), list->stretches.size());
-  for (std::size_t i = 0; i < list->stretches.size(); ++i) {
-    EXPECT_EQ(back->stretches[i].origin, list->stretches[i].origin);
-    EXPECT_EQ(back->stretches[i].slope_across, list->stretches[i].slope_across);
-    EXPECT_EQ(back->stretches[i].n_up, list->stretches[i].n_up);
+  ASSERT_EQ(back->row_segments.size(), list->row_segments.size());
+  for (std::size_t i = 0; i < list->row_segments.size(); ++i) {
+    EXPECT_EQ(back->row_segments[i].origin, list->row_segments[i].origin);
+    EXPECT_EQ(back->row_segments[i].slope_across, list->row_segments[i].slope_across);
+    EXPECT_EQ(back->row_segments[i].n_up, list->row_segments[i].n_up);
   }
   EXPECT_EQ(back->extents.size(), 2U);
-  tile::ArraySet wrong = stretches_to_arrays(*list);
+  tile::ArraySet wrong = row_segments_to_arrays(*list);
   std::get<std::vector<std::int32_t>>(wrong.columns["n_up"])[0] = 0;
-  EXPECT_EQ(stretches_from_arrays(wrong).error().code, ErrorCode::damaged);
+  EXPECT_EQ(row_segments_from_arrays(wrong).error().code, ErrorCode::damaged);
 }
 
 TEST(CanopyMap, KeepsLayersApartAndSurvivesStorage) {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "libdensity/tiles/stored.h"
-#include "rayfield/density/stretches.h"
+#include "rayfield/density/row_segments.h"
 
 namespace rayfield::density {
 namespace {
@@ -44,12 +44,12 @@ Result<std::vector<RowExtents>> get_extents(const tile::ArraySet& arrays) {
 
 }  // namespace
 
-tile::ArraySet stretches_to_arrays(const StretchList& list) {
+tile::ArraySet row_segments_to_arrays(const RowSegmentList& list) {
   tile::ArraySet out;
   out.kind = "stretches", out.version = 1, out.attributes = nlohmann::json{{"unit", "m"}}.dump();
   std::array<std::vector<std::int32_t>, kCounts.size()> counts;
   std::array<std::vector<double>, kNumbers.size()> numbers;
-  for (const Stretch& s : list.stretches) {
+  for (const RowSegment& s : list.row_segments) {
     const std::array<int, kCounts.size()> c{s.row, s.index, s.first_along, s.n_along, s.n_across, s.n_up};
     const std::array<double, kNumbers.size()> d{s.origin.x(),   s.origin.y(), s.direction.x(), s.direction.y(),
                                                 s.chainage_m,   s.ground_m,   s.slope_along,   s.slope_across,
@@ -63,7 +63,7 @@ tile::ArraySet stretches_to_arrays(const StretchList& list) {
   return out;
 }
 
-Result<StretchList> stretches_from_arrays(const tile::ArraySet& arrays) {
+Result<RowSegmentList> row_segments_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_CHECK(stored_attributes(arrays, "stretches", 1));
   RAYFIELD_ASSIGN(const auto row, arrays.column<std::int32_t>("row"));
   std::array<std::span<const std::int32_t>, kCounts.size()> c;
@@ -74,17 +74,17 @@ Result<StretchList> stretches_from_arrays(const tile::ArraySet& arrays) {
   for (std::size_t k = 0; k < kNumbers.size(); ++k) {
     RAYFIELD_ASSIGN(d[k], stored_column<double>(arrays, kNumbers[k], row.size()));
   }
-  StretchList list;
+  RowSegmentList list;
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (c[3][i] < 1 || c[4][i] < 1 || c[5][i] < 1 || !(d[10][i] > 0))
-      return damaged(arrays, "a stretch without voxels");
-    Stretch s;
+      return damaged(arrays, "a row segment without voxels");
+    RowSegment s;
     s.row = c[0][i], s.index = c[1][i], s.first_along = c[2][i], s.n_along = c[3][i], s.n_across = c[4][i],
     s.n_up = c[5][i];
     s.origin = {d[0][i], d[1][i]}, s.direction = {d[2][i], d[3][i]}, s.chainage_m = d[4][i], s.ground_m = d[5][i];
     s.slope_along = d[6][i], s.slope_across = d[7][i], s.across_min_m = d[8][i], s.up_min_m = d[9][i],
     s.voxel_m = d[10][i];
-    list.stretches.push_back(s);
+    list.row_segments.push_back(s);
   }
   RAYFIELD_ASSIGN(list.extents, get_extents(arrays));
   return list;
