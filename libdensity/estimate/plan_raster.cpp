@@ -1,4 +1,4 @@
-#include "rayfield/density/plan_raster.h"
+#include "libdensity/estimate/plan_raster.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "rayfield/density/integrate.h"
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -57,7 +58,7 @@ Column column_of(const RowDensity& row, int along, int across, double height_sha
     out.area += row.plant_area(along, across, u);
     out.variance += row.area_variance(along, across, u);
     out.seen = out.seen || row.state[row.index(along, across, u)] != VoxelState::unobserved;
-    layers[static_cast<std::size_t>(u)] = row.canopy_area(along, across, u);
+    layers[u] = row.canopy_area(along, across, u);
   }
   // Masked wood is known wherever it stands, also where no ray could pass.
   out.seen = out.seen || out.area > 0;
@@ -67,14 +68,6 @@ Column column_of(const RowDensity& row, int along, int across, double height_sha
 }
 
 }  // namespace
-
-Result<void> PlanRasterOptions::validate() const {
-  if (!(cell_m >= 0.01 && cell_m <= 10))
-    return fail(ErrorCode::usage, "bad raster option", "cell_m", "must lie in 0.01…10 m");
-  if (!(height_share >= 0.5 && height_share <= 1))
-    return fail(ErrorCode::usage, "bad raster option", "height_share", "must lie in 0.5…1");
-  return {};
-}
 
 double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   Polygon p;
@@ -117,10 +110,10 @@ void PlanRaster::add(const RowDensity& row) {
       Eigen::AlignedBox2d box;
       for (const Eigen::Vector2d& p : corners) box.extend(p);
       const Eigen::Vector2d low = (box.min() - cells_.origin) / cell, high = (box.max() - cells_.origin) / cell;
-      const int x0 = std::clamp(static_cast<int>(std::floor(low.x())), 0, cells_.nx - 1),
-                x1 = std::clamp(static_cast<int>(std::floor(high.x())), 0, cells_.nx - 1);
-      const int y0 = std::clamp(static_cast<int>(std::floor(low.y())), 0, cells_.ny - 1),
-                y1 = std::clamp(static_cast<int>(std::floor(high.y())), 0, cells_.ny - 1);
+      const int x0 = std::clamp(floor_int(low.x()), 0, cells_.nx - 1),
+                x1 = std::clamp(floor_int(high.x()), 0, cells_.nx - 1);
+      const int y0 = std::clamp(floor_int(low.y()), 0, cells_.ny - 1),
+                y1 = std::clamp(floor_int(high.y()), 0, cells_.ny - 1);
       for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
           const Eigen::Vector2d corner = cells_.origin + cell * Eigen::Vector2d(x, y);

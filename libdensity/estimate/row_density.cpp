@@ -1,4 +1,4 @@
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/row_density.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "libdensity/estimate/row_fill.h"
 #include "libdensity/estimate/slab_density.h"
+#include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/voxel_index.h"
 
 namespace rayfield::density {
@@ -33,7 +34,7 @@ Located locate(const RowDensity& row, const std::vector<int>& first, const Eigen
     const double beyond = std::max({0.0, -g.x(), g.x() - row_segment.n_along});
     if (beyond >= best) continue;
     best = beyond;
-    out.along = first[s] + std::clamp(static_cast<int>(std::floor(g.x())), 0, row_segment.n_along - 1);
+    out.along = first[s] + std::clamp(floor_int(g.x()), 0, row_segment.n_along - 1);
     out.grid = g;
     out.grid.y() += std::round((row_segment.across_min_m - row.across_min_m) / row.voxel_m);
     out.grid.z() += std::round((row_segment.up_min_m - row.up_min_m) / row.voxel_m);
@@ -51,7 +52,7 @@ std::vector<int> first_columns(const RowDensity& row) {
 /// Half the cylinder's surface from up_min_m above the ground upwards, shared out to the voxels it lies in.
 void add_wood_area(RowDensity& row, const std::vector<int>& first, const WoodCylinder& wood) {
   const Eigen::Vector3d e1 = wood.axis.unitOrthogonal(), e2 = wood.axis.cross(e1);
-  const int rings = std::max(1, static_cast<int>(std::ceil(wood.length_m / kRingStepM)));
+  const int rings = std::max(1, ceil_int(wood.length_m / kRingStepM));
   const double area = std::numbers::pi * wood.radius_m * wood.length_m / (rings * kRingPoints);
   for (int ring = 0; ring < rings; ++ring)
     for (int k = 0; k < kRingPoints; ++k) {
@@ -60,8 +61,8 @@ void add_wood_area(RowDensity& row, const std::vector<int>& first, const WoodCyl
                                 wood.radius_m * (std::cos(angle) * e1 + std::sin(angle) * e2);
       const Located at = locate(row, first, p);
       if (at.grid.z() < 0) continue;
-      const int across = std::clamp(static_cast<int>(std::floor(at.grid.y())), 0, row.n_across - 1);
-      const int up = std::clamp(static_cast<int>(std::floor(at.grid.z())), 0, row.n_up - 1);
+      const int across = std::clamp(floor_int(at.grid.y()), 0, row.n_across - 1);
+      const int up = std::clamp(floor_int(at.grid.z()), 0, row.n_up - 1);
       row.wood_area[row.index(at.along, across, up)] += static_cast<float>(area);
     }
 }
@@ -104,8 +105,7 @@ Result<void> check_lattice(const RowDensity& row, const RowSegment& s) {
 
 Eigen::Vector2d RowDensity::center(int along, int across) const {
   const RowSegment& s = row_segment(along);
-  const double a = chainage_m[static_cast<std::size_t>(along)] - s.chainage_m + 0.5 * voxel_m,
-               c = across_min_m + (across + 0.5) * voxel_m;
+  const double a = chainage_m[along] - s.chainage_m + 0.5 * voxel_m, c = across_min_m + (across + 0.5) * voxel_m;
   return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
 }
 
@@ -144,8 +144,8 @@ Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Row
   for (std::size_t i = 0; i < r.row_segments.size(); ++i) {
     const RowSegment& s = r.row_segments[i];
     RAYFIELD_CHECK(check_lattice(r, s));
-    const int across = static_cast<int>(std::lround((s.across_min_m - first.across_min_m) / r.voxel_m));
-    const int up = static_cast<int>(std::lround((s.up_min_m - first.up_min_m) / r.voxel_m));
+    const int across = round_int((s.across_min_m - first.across_min_m) / r.voxel_m);
+    const int up = round_int((s.up_min_m - first.up_min_m) / r.voxel_m);
     low_across = std::min(low_across, across), low_up = std::min(low_up, up);
     r.n_across = std::max(r.n_across, across + s.n_across), r.n_up = std::max(r.n_up, up + s.n_up);
     r.segment_of.insert(r.segment_of.end(), static_cast<std::size_t>(s.n_along), static_cast<std::int32_t>(i));
@@ -155,8 +155,7 @@ Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Row
   r.across_min_m += low_across * r.voxel_m, r.up_min_m += low_up * r.voxel_m;
   r.n_along = static_cast<int>(r.segment_of.size());
   r.entries.assign(r.segment_of.size(), 0);
-  const auto voxels = r.segment_of.size() * static_cast<std::size_t>(r.n_across) * static_cast<std::size_t>(r.n_up);
-  out.counters_.assign(voxels, {});
+  out.counters_.assign(r.shape().size(), {});
   r.leaf_size_m2 = options.leaf_size_m2 >= 0 ? options.leaf_size_m2 : estimate_leaf_size(pairs).area_m2;
   for (const WoodCylinder& w : wood)
     if (w.row == row) out.wood_.push_back(w);
@@ -170,22 +169,19 @@ Result<void> RowDensityBuilder::add(const TileVoxels& tile) {
     const auto found = std::find_if(row_.row_segments.begin(), row_.row_segments.end(),
                                     [&](const RowSegment& s) { return s.index == block.row_segment.index; });
     const std::string where = "tile " + std::to_string(tile.tile.ix) + "_" + std::to_string(tile.tile.iy);
-    if (found == row_.row_segments.end() || found->n_along != block.row_segment.n_along ||
-        found->n_across != block.row_segment.n_across || found->n_up != block.row_segment.n_up)
+    if (found == row_.row_segments.end() || found->shape() != block.row_segment.shape())
       return fail(ErrorCode::damaged, "cannot use counted voxels", where,
                   "they belong to other row segments of row " + std::to_string(row_.row),
                   "run `rayfield process` again");
     const auto k = static_cast<std::size_t>(found - row_.row_segments.begin());
-    const auto across_shift = static_cast<int>(std::lround((found->across_min_m - row_.across_min_m) / row_.voxel_m));
-    const auto up_shift = static_cast<int>(std::lround((found->up_min_m - row_.up_min_m) / row_.voxel_m));
+    const auto across_shift = round_int((found->across_min_m - row_.across_min_m) / row_.voxel_m);
+    const auto up_shift = round_int((found->up_min_m - row_.up_min_m) / row_.voxel_m);
     for (int a = 0; a < found->n_along; ++a)
       for (int c = 0; c < found->n_across; ++c) {
         const auto column = block.column_voxels(a, c);
         if (column.empty()) continue;
-        const auto number = static_cast<std::size_t>(
-            block.column[static_cast<std::size_t>(a) * static_cast<std::size_t>(found->n_across) +
-                         static_cast<std::size_t>(c)]);
-        row_.entries[static_cast<std::size_t>(first[k]) + static_cast<std::size_t>(a)] += block.entries[number];
+        const std::int32_t number = block.column[found->shape().column(a, c)];
+        row_.entries[first[k] + a] += block.entries[number];
         const std::size_t to = row_.index(first[k] + a, c + across_shift, up_shift);
         for (std::size_t u = 0; u < column.size(); ++u) counters_[to + u] += column[u];
       }
@@ -199,7 +195,7 @@ RowDensity RowDensityBuilder::finish() && {
   r.variance.assign(counters_.size(), 0);
   r.state.assign(counters_.size(), VoxelState::unobserved);
   if (options_.estimator == Estimator::paper) {
-    estimate_paper(r, counters_, options_.paper_min_rays);
+    estimate_paper(r, counters_, static_cast<std::uint32_t>(options_.paper_min_rays));
   } else {
     estimate_slabs(r, counters_);
     pool_and_fill(r, counters_);
@@ -208,7 +204,7 @@ RowDensity RowDensityBuilder::finish() && {
   counters_.shrink_to_fit();
   if (!wood_.empty()) {
     r.wood_area.assign(r.density.size(), 0);
-    r.free_share.assign(static_cast<std::size_t>(r.n_along) * static_cast<std::size_t>(r.n_across), 1);
+    r.free_share.assign(r.shape().columns(), 1);
     const std::vector<int> first = first_columns(r);
     for (const WoodCylinder& w : wood_) add_wood_area(r, first, w), take_free_share(r, w);
   }

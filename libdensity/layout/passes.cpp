@@ -1,9 +1,10 @@
-#include "rayfield/density/passes.h"
+#include "libdensity/layout/passes.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -41,15 +42,15 @@ std::vector<Sample> smooth(const std::vector<Sample>& in, int reach) {
   for (int i = 0; i < n; ++i) {
     const int r = std::min({reach, i, n - 1 - i});
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (int j = i - r; j <= i + r; ++j) sum += in[static_cast<std::size_t>(j)].p;
-    out[static_cast<std::size_t>(i)].p = sum / (2 * r + 1);
+    for (int j = i - r; j <= i + r; ++j) sum += in[j].p;
+    out[i].p = sum / (2 * r + 1);
   }
   return out;
 }
 
 // True where the heading changes over four metres by more than a bend of min_radius_m would.
 std::vector<bool> turning(const std::vector<Sample>& s, const PassOptions& options) {
-  const int half = std::max(1, static_cast<int>(std::lround(2.0 / options.spacing_m)));
+  const int half = std::max(1, round_int(2.0 / options.spacing_m));
   const int n = static_cast<int>(s.size());
   std::vector<bool> turn(s.size(), false);
   const auto at = [&](int i) { return s[static_cast<std::size_t>(std::clamp(i, 0, n - 1))].p; };
@@ -58,41 +59,18 @@ std::vector<bool> turning(const std::vector<Sample>& s, const PassOptions& optio
     if (before.norm() < 1e-6 || after.norm() < 1e-6) continue;
     const double angle = std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after));
     // Headings over two halves of length h differ by h/R.
-    if (std::abs(angle) > half * options.spacing_m / options.min_radius_m) turn[static_cast<std::size_t>(i)] = true;
+    if (std::abs(angle) > half * options.spacing_m / options.min_radius_m) turn[i] = true;
   }
   return turn;
 }
 
-double piece_score(const std::vector<Eigen::Vector2d>& line, std::size_t i, std::size_t j, StraightRun* run) {
-  const Eigen::Vector2d d = line[j] - line[i];
-  const double length = d.norm();
-  if (length < 1e-9) return 0;
-  double low = 0, high = 0;
-  for (std::size_t k = i; k <= j; ++k) {
-    const Eigen::Vector2d r = line[k] - line[i];
-    const double across = (d.x() * r.y() - d.y() * r.x()) / length;
-    low = std::min(low, across), high = std::max(high, across);
-  }
-  const double width = std::max(0.1, high - low);
-  if (run) *run = {d / length, length, width, length * length / width};
-  return length * length / width;
-}
-
 }  // namespace
-
-Result<void> PassOptions::validate() const {
-  const bool good = spacing_m >= 0.1 && spacing_m <= 2 && min_length_m >= 3 && min_length_m <= 100 &&
-                    min_radius_m >= 5 && min_radius_m <= 50 && max_jump_m >= 0.5 && max_jump_m <= 20;
-  if (good) return {};
-  return fail(ErrorCode::usage, "cannot find the passes", "options", "value out of range",
-              "see rayfield/density/passes.h for the ranges");
-}
 
 double Pass::length_m() const { return polyline_length(line); }
 
 std::vector<Pass> find_passes(std::span<const PathPoint> path, const PassOptions& options) {
   std::vector<Pass> passes;
-  const int reach = static_cast<int>(std::lround(1.0 / options.spacing_m));
+  const int reach = round_int(1.0 / options.spacing_m);
   for (const auto& piece : resample(path, options)) {
     const std::vector<Sample> s = smooth(piece, reach);
     const std::vector<bool> turn = turning(s, options);
@@ -110,32 +88,6 @@ std::vector<Pass> find_passes(std::span<const PathPoint> path, const PassOptions
     }
   }
   return passes;
-}
-
-StraightRun longest_straight_run(std::span<const Pass> passes) {
-  StraightRun best;
-  for (const Pass& pass : passes) {
-    const auto& line = pass.line;
-    const std::size_t n = line.size();
-    for (std::size_t start = 0; start + 2 < n; start += std::max<std::size_t>(1, n / 8)) {
-      std::size_t i = start, j = start + 2;
-      StraightRun run;
-      double score = piece_score(line, i, j, &run);
-      if (score > best.score_m) best = run;
-      while (i > 0 || j + 1 < n) {
-        const double forward = j + 1 < n ? piece_score(line, i, j + 1, nullptr) : -1;
-        const double backward = i > 0 ? piece_score(line, i - 1, j, nullptr) : -1;
-        if (forward >= backward) {
-          ++j;
-        } else {
-          --i;
-        }
-        score = piece_score(line, i, j, &run);
-        if (score > best.score_m) best = run;
-      }
-    }
-  }
-  return best;
 }
 
 }  // namespace rayfield::density

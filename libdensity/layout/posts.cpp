@@ -1,4 +1,4 @@
-#include "rayfield/density/posts.h"
+#include "libdensity/layout/posts.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,9 @@
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/post_lattice.h"
-#include "rayfield/density/rows.h"
+#include "libdensity/layout/row_order.h"
+#include "libdensity/layout/rows.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -155,26 +157,6 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
 
 }  // namespace
 
-Result<void> PostOptions::validate() const {
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, kWhat, name, "value out of range", "see rayfield/density/posts.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("half_width_m", half_width_m, 0.15, 0.6));
-  RAYFIELD_CHECK(check("cell_m", cell_m, 0.01, 0.05));
-  RAYFIELD_CHECK(check("layer_m", layer_m, 0.05, 0.2));
-  RAYFIELD_CHECK(check("top_m", top_m, 1.5, 5));
-  RAYFIELD_CHECK(check("low_min_m", low_min_m, 0.05, 1));
-  RAYFIELD_CHECK(check("low_max_m", low_max_m, low_min_m + 2 * layer_m, 1.5));
-  RAYFIELD_CHECK(check("min_contrast", min_contrast, 1.5, 20));
-  RAYFIELD_CHECK(check("min_post_height_m", min_post_height_m, 0.8, 2));
-  RAYFIELD_CHECK(check("min_panel_m", min_panel_m, 1, 20));
-  RAYFIELD_CHECK(check("max_panel_m", max_panel_m, min_panel_m, 50));
-  RAYFIELD_CHECK(check("smoothing_m", smoothing_m, 5, 100));
-  if (panel_length_m) RAYFIELD_CHECK(check("panel_length_m", *panel_length_m, 0.5, 1000));
-  return {};
-}
-
 Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, const PostOptions& options) {
   RAYFIELD_CHECK(options.validate());
   PostReport report;
@@ -247,7 +229,7 @@ void make_panels(RowLayout& layout, std::optional<double> panel_length_m) {
     const double length = row.length_m();
     std::vector<double> borders{0};
     if (panel_length_m) {
-      const int n = std::max(1, static_cast<int>(std::floor(length / *panel_length_m + 0.5)));
+      const int n = std::max(1, floor_int(length / *panel_length_m + 0.5));
       for (int i = 1; i < n; ++i) borders.push_back(i * *panel_length_m);
     } else {
       for (const Post& post : layout.posts)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -17,7 +18,7 @@ Eigen::Vector2d left_of(const Eigen::Vector2d& u) { return {-u.y(), u.x()}; }
 double patch_mean(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along,
                   double across, double shift = 0) {
   const Eigen::Vector2d n = left_of(u);
-  const int na = static_cast<int>(std::lround(along / kPatch)), nc = static_cast<int>(std::lround(across / kPatch));
+  const int na = round_int(along / kPatch), nc = round_int(across / kPatch);
   double sum = 0;
   for (int a = -na; a <= na; ++a)
     for (int c = -nc; c <= nc; ++c) sum += canopy_at(canopy, p + u * (a * kPatch) + n * (shift + c * kPatch));
@@ -39,7 +40,7 @@ bool is_tall(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vec
 double centroid_offset(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along,
                        double reach) {
   const Eigen::Vector2d n = left_of(u);
-  const int na = static_cast<int>(std::lround(along / kPatch)), nc = static_cast<int>(std::lround(reach / kPatch));
+  const int na = round_int(along / kPatch), nc = round_int(reach / kPatch);
   double sum = 0, weight = 0;
   for (int c = -nc; c <= nc; ++c)
     for (int a = -na; a <= na; ++a) {
@@ -139,7 +140,7 @@ double canopy_at(const CanopyMap& canopy, const Eigen::Vector2d& p) {
 
 std::vector<RidgeSeed> find_seeds(const Pass& pass, const CanopyMap& canopy, const RowOptions& options) {
   constexpr double kBin = 0.1;
-  const int bins = static_cast<int>(std::lround((options.max_offset_m + 0.5) / kBin));
+  const int bins = round_int((options.max_offset_m + 0.5) / kBin);
   const std::size_t window = static_cast<std::size_t>(std::lround(8.0 / options.passes.spacing_m));
   std::vector<RidgeSeed> seeds;
   const std::size_t n = pass.line.size();

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "rayfield/density/canopy_map.h"
-#include "rayfield/density/rows.h"
+#include "libdensity/layout/canopy_map.h"
+#include "libdensity/layout/rows.h"
 
 namespace rayfield::density {
 

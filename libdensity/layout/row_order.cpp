@@ -1,10 +1,12 @@
+#include "libdensity/layout/row_order.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "libdensity/layout/polyline.h"
-#include "rayfield/density/rows.h"
 
 namespace rayfield::density {
 namespace {

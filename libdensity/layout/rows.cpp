@@ -1,4 +1,4 @@
-#include "rayfield/density/rows.h"
+#include "libdensity/layout/rows.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/ridge.h"
+#include "libdensity/layout/row_order.h"
 
 namespace rayfield::density {
 namespace {
@@ -107,37 +108,16 @@ std::string refuse(const Ridge& ridge, double driven, double usual_strength, con
 
 }  // namespace
 
-Result<void> RowOptions::validate() const {
-  RAYFIELD_CHECK(passes.validate());
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, "cannot find the rows", name, "value out of range",
-                "see rayfield/density/rows.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("min_offset_m", min_offset_m, 0.2, 2));
-  RAYFIELD_CHECK(check("max_offset_m", max_offset_m, 1, 6));
-  RAYFIELD_CHECK(check("half_width_m", half_width_m, 0.1, 1));
-  RAYFIELD_CHECK(check("max_gap_m", max_gap_m, 1, 30));
-  RAYFIELD_CHECK(check("min_length_m", min_length_m, 2, 100));
-  RAYFIELD_CHECK(check("min_cover", min_cover, 0.1, 1));
-  RAYFIELD_CHECK(check("min_strength_share", min_strength_share, 0, 1));
-  RAYFIELD_CHECK(check("max_tall_share", max_tall_share, 0, 1));
-  RAYFIELD_CHECK(check("max_lane_share", max_lane_share, 0.1, 1));
-  RAYFIELD_CHECK(check("smoothing_m", smoothing_m, 2, 100));
-  return {};
-}
-
 Result<RowFindings> find_rows(std::span<const PathPoint> path, const CanopyMap& canopy, const RowOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RowFindings out;
-  out.passes = find_passes(path, options.passes);
-  out.direction = longest_straight_run(out.passes);
+  const std::vector<Pass> passes = find_passes(path, options.passes);
 
-  std::vector<Ridge> ridges = trace_all(out.passes, canopy, options);
+  std::vector<Ridge> ridges = trace_all(passes, canopy, options);
   std::vector<std::pair<double, double>> driven;
   std::vector<double> strengths;
   for (const Ridge& ridge : ridges) {
-    driven.push_back(driven_shares(ridge.line, out.passes, options));
+    driven.push_back(driven_shares(ridge.line, passes, options));
     if (refuse(ridge, std::max(driven.back().first, driven.back().second), 0, options).empty())
       strengths.push_back(ridge.strength);
   }

@@ -1,4 +1,5 @@
 #include "libdensity/layout/stem_grid.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -32,12 +33,10 @@ struct Contrast {
 
 template <class F>
 void for_cells_near(const StemGrid& g, const Eigen::Vector2d& centre, double radius, F&& visit) {
-  const int a0 = std::max(0, static_cast<int>(std::floor((centre.x() - radius) / g.cell_m)) - g.first_along);
-  const int a1 =
-      std::min(g.n_along - 1, static_cast<int>(std::floor((centre.x() + radius) / g.cell_m)) - g.first_along);
-  const int c0 = std::max(0, static_cast<int>(std::floor((centre.y() + g.half_width_m - radius) / g.cell_m)));
-  const int c1 =
-      std::min(g.n_across - 1, static_cast<int>(std::floor((centre.y() + g.half_width_m + radius) / g.cell_m)));
+  const int a0 = std::max(0, floor_int((centre.x() - radius) / g.cell_m) - g.first_along);
+  const int a1 = std::min(g.n_along - 1, floor_int((centre.x() + radius) / g.cell_m) - g.first_along);
+  const int c0 = std::max(0, floor_int((centre.y() + g.half_width_m - radius) / g.cell_m));
+  const int c1 = std::min(g.n_across - 1, floor_int((centre.y() + g.half_width_m + radius) / g.cell_m));
   for (int a = a0; a <= a1; ++a)
     for (int c = c0; c <= c1; ++c) {
       const Eigen::Vector2d d = Eigen::Vector2d(g.along_m(a), g.across_m(c)) - centre;
@@ -50,7 +49,7 @@ Contrast contrast_at(const StemGrid& g, const Eigen::Vector2d& centre, double ra
   const double inner = radius + kSkin, outer = radius + kCollar;
   out.on_area = M_PI * inner * inner, out.around_area = M_PI * (outer * outer - inner * inner);
   for_cells_near(g, centre, outer, [&](int a, int c, const Eigen::Vector2d& d) {
-    (d.norm() <= inner ? out.on : out.around) += g.column(a, c)[static_cast<std::size_t>(layer)];
+    (d.norm() <= inner ? out.on : out.around) += g.column(a, c)[layer];
   });
   return out;
 }
@@ -60,13 +59,12 @@ struct Zone {
 };
 
 Zone low_zone(const StemGrid& g, const PostOptions& options) {
-  return {static_cast<int>(std::lround(options.low_min_m / g.layer_m)),
-          std::min(g.n_layers, static_cast<int>(std::lround(options.low_max_m / g.layer_m)))};
+  return {round_int(options.low_min_m / g.layer_m), std::min(g.n_layers, round_int(options.low_max_m / g.layer_m))};
 }
 
 // Places where hits stand above each other through (nearly) the whole low zone, best first within 0.15 m.
 std::vector<Seed> find_seeds(const StemGrid& g, const Zone& zone) {
-  const int reach = static_cast<int>(std::lround(0.06 / g.cell_m));
+  const int reach = round_int(0.06 / g.cell_m);
   const int n_zone = zone.end - zone.first;
   std::vector<Seed> all;
   for (int a = 0; a < g.n_along; ++a)
@@ -78,8 +76,7 @@ std::vector<Seed> find_seeds(const StemGrid& g, const Zone& zone) {
               c + dc >= g.n_across)
             continue;
           const auto column = g.column(a + da, c + dc);
-          for (int s = 0; s < n_zone; ++s)
-            per_layer[static_cast<std::size_t>(s)] += column[static_cast<std::size_t>(zone.first + s)];
+          for (int s = 0; s < n_zone; ++s) per_layer[s] += column[static_cast<std::size_t>(zone.first + s)];
         }
       Seed seed{a, c, 0, 0};
       for (int n : per_layer) seed.layers += n >= 1, seed.hits += n;
@@ -88,7 +85,7 @@ std::vector<Seed> find_seeds(const StemGrid& g, const Zone& zone) {
   std::sort(all.begin(), all.end(), [](const Seed& p, const Seed& q) {
     return std::make_tuple(-p.hits, p.a, p.c) < std::make_tuple(-q.hits, q.a, q.c);
   });
-  const int apart = static_cast<int>(std::lround(0.15 / g.cell_m));
+  const int apart = round_int(0.15 / g.cell_m);
   std::vector<Seed> kept;
   for (const Seed& seed : all) {
     const bool free = std::none_of(kept.begin(), kept.end(), [&](const Seed& k) {
@@ -194,7 +191,7 @@ void follow_up(const StemGrid& g, const Zone& zone, const Circle& circle, double
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     double w = 0;
     for_cells_near(g, at, circle.radius + kSkin, [&](int a, int c, const Eigen::Vector2d& d) {
-      const double n = g.column(a, c)[static_cast<std::size_t>(layer)];
+      const double n = g.column(a, c)[layer];
       sum += n * d, w += n;
     });
     if (w < 2) return;
@@ -233,8 +230,7 @@ struct UpperPart {
 
 UpperPart find_upper(const StemGrid& g, const PostOptions& options, double low_hits, const GridStem& stem) {
   UpperPart best;
-  for (int layer = static_cast<int>(std::lround(options.min_post_height_m / g.layer_m)); layer + 1 < g.n_layers;
-       ++layer) {
+  for (int layer = round_int(options.min_post_height_m / g.layer_m); layer + 1 < g.n_layers; ++layer) {
     Contrast pair;
     double least = std::numeric_limits<double>::infinity();
     for (int s = layer; s < layer + 2; ++s) {
@@ -264,8 +260,7 @@ void straighten(const StemGrid& g, const Zone& zone, const Eigen::Vector2d& low_
     for_cells_near(g, centre, stem.radius_m + kTukey, [&](int a, int c, const Eigen::Vector2d& d) {
       const double residual = d.norm() - stem.radius_m, share = residual / kTukey;
       const auto column = g.column(a, c);
-      const double n =
-          column[static_cast<std::size_t>(upper.layer)] + column[static_cast<std::size_t>(upper.layer + 1)];
+      const double n = column[upper.layer] + column[static_cast<std::size_t>(upper.layer + 1)];
       if (n <= 0 || std::abs(share) >= 1 || d.norm() < 1e-4) return;
       const double w = n * (1 - share * share) * (1 - share * share);
       const Eigen::Vector2d row = -d / d.norm();
@@ -298,10 +293,10 @@ double solidity_of(const StemGrid& g, const GridStem& stem) {
   constexpr double kCanopy = 1.0, kSolidRadius = 0.035;  // m; thinner stems have no core that noise would not fill
   if (stem.radius_m < kSolidRadius) return 0;
   double core = 0, on = 0;
-  for (int layer = static_cast<int>(std::lround(kCanopy / g.layer_m)); layer < g.n_layers; ++layer)
+  for (int layer = round_int(kCanopy / g.layer_m); layer < g.n_layers; ++layer)
     for_cells_near(g, stem.foot + stem.lean * ((layer + 0.5) * g.layer_m), stem.radius_m + kSkin,
                    [&](int a, int c, const Eigen::Vector2d& d) {
-                     const double n = g.column(a, c)[static_cast<std::size_t>(layer)];
+                     const double n = g.column(a, c)[layer];
                      on += n;
                      if (d.norm() < stem.radius_m - 0.02) core += n;
                    });

@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "rayfield/density/posts.h"
+#include "libdensity/layout/posts.h"
+#include "rayfield/core/grid3.h"
 
 namespace rayfield::density {
 
@@ -16,11 +17,9 @@ struct StemGrid {
   double cell_m = 0.02, layer_m = 0.1, half_width_m = 0.35;
   std::vector<std::uint8_t> counts;  ///< ((a·n_across) + c)·n_layers + layer
 
+  Shape3 shape() const { return {n_along, n_across, n_layers}; }
   std::span<const std::uint8_t> column(int a, int c) const {
-    return std::span<const std::uint8_t>(counts).subspan(
-        (static_cast<std::size_t>(a) * static_cast<std::size_t>(n_across) + static_cast<std::size_t>(c)) *
-            static_cast<std::size_t>(n_layers),
-        static_cast<std::size_t>(n_layers));
+    return std::span<const std::uint8_t>(counts).subspan(shape().index(a, c, 0), static_cast<std::size_t>(n_layers));
   }
   double along_m(int a) const { return (first_along + a + 0.5) * cell_m; }
   double across_m(int c) const { return (c + 0.5) * cell_m - half_width_m; }

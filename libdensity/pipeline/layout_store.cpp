@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include "libdensity/pipeline/option_keys.h"
-#include "rayfield/density/layout_arrays.h"
+#include "libdensity/layout/layout_arrays.h"
 
 namespace rayfield::density {
 namespace {
@@ -14,11 +13,11 @@ constexpr const char* kKind = "rows";
 // What the layout depends on besides the rays it was found in.
 std::string parameters_of(const ProcessOptions& options) {
   KeyBuilder key("layout", kLayoutVersion);
-  add_options(key, options.survey);
-  add_options(key, options.ground);
-  add_options(key, options.canopy);
-  add_options(key, options.rows);
-  add_options(key, options.posts);
+  key.add(option_numbers(options.survey));
+  key.add(option_numbers(options.ground));
+  key.add(option_numbers(options.canopy));
+  key.add(option_numbers(options.rows));
+  key.add(option_numbers(options.posts));
   return key.hex();
 }
 

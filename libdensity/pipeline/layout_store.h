@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "libdensity/layout/row_layout.h"
 #include "libdensity/pipeline/scan_stages.h"
-#include "rayfield/density/row_layout.h"
 
 namespace rayfield::density {
 

@@ -3,7 +3,10 @@
 #include <cmath>
 
 #include "libdensity/pipeline/layout_store.h"
+#include "libdensity/pipeline/scan_products.h"
 #include "libdensity/pipeline/scan_stages.h"
+#include "libdensity/pipeline/scan_voxel_size.h"
+#include "libdensity/pipeline/scan_voxels.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/load.h"
 
@@ -42,28 +45,6 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
 }
 
 }  // namespace
-
-Result<void> VoxelFitOptions::validate() const {
-  const bool good = leaf_sides >= 0.5 && leaf_sides <= 5 && min_m >= 0.03 && max_m >= min_m && max_m <= 0.3 &&
-                    sample_m >= 0.03 && sample_m <= 0.3;
-  if (good) return {};
-  return fail(ErrorCode::usage, "cannot fit the voxels", "voxel_fit", "a value is out of range",
-              "see rayfield/density/process.h for the ranges");
-}
-
-Result<void> ProcessOptions::validate() const {
-  RAYFIELD_CHECK(survey.validate());
-  RAYFIELD_CHECK(ground.validate());
-  RAYFIELD_CHECK(canopy.validate());
-  RAYFIELD_CHECK(rows.validate());
-  RAYFIELD_CHECK(posts.validate());
-  RAYFIELD_CHECK(segments.validate());
-  RAYFIELD_CHECK(voxel_fit.validate());
-  RAYFIELD_CHECK(voxels.validate());
-  RAYFIELD_CHECK(estimator.validate());
-  RAYFIELD_CHECK(integration.validate());
-  return plan.validate();
-}
 
 Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options, const std::string& command,
                               Progress& progress) {

@@ -1,11 +1,13 @@
+#include "libdensity/pipeline/scan_voxel_size.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "libdensity/pipeline/option_keys.h"
-#include "libdensity/pipeline/scan_stages.h"
-#include "rayfield/core/parallel.h"
+#include "libdensity/pipeline/scan_voxels.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 namespace {
@@ -15,21 +17,10 @@ constexpr int kVoxelSizeVersion = 3;
 // Neighbouring beams on one tile. Sums of integers, so that their order does not matter.
 Result<LeafSizePairs> pairs_of_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const std::size_t chunks = reader.chunk_count();
-  const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(chunks))));
-  std::vector<VoxelAccumulator> parts;
-  for (std::size_t w = 1; w < workers; ++w) parts.push_back(empty.fork());
-  parts.push_back(std::move(empty));
-  std::vector<tile::SegmentBatch> batches(workers);
-  RAYFIELD_CHECK(parallel_for(chunks, static_cast<int>(workers), [&](std::size_t chunk, int worker) -> Result<void> {
-    const auto w = static_cast<std::size_t>(worker);
-    RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_CHECK(reader.read_chunk(chunk, batches[w]));
-    parts[w].add_pairs(batches[w]);
-    return {};
-  }));
-  for (std::size_t w = 1; w < parts.size(); ++w) RAYFIELD_CHECK(parts[0].merge(parts[w]));
-  return std::move(parts[0]).finish().pairs;
+  const auto add_pairs = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { sum.add_pairs(rays); };
+  RAYFIELD_ASSIGN(VoxelAccumulator sum,
+                  accumulate_tile(reader, std::move(empty), work.threads, work.progress, add_pairs));
+  return std::move(sum).finish().pairs;
 }
 
 Result<LeafSizePairs> pairs_of_scan(ScanWork& work, const RowSegmentList& row_segments,
@@ -38,11 +29,10 @@ Result<LeafSizePairs> pairs_of_scan(ScanWork& work, const RowSegmentList& row_se
   work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     work.progress.advance(1);
-    const TileScene scene =
-        scene_of(entry.index, work.tile_size_m(), work.store.config().tile_margin_m, row_segments, wood);
+    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
     if (scene.row_segments.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(),
-                                                                     scene.row_segments, scene.wood, work.voxels));
+    RAYFIELD_ASSIGN(VoxelAccumulator empty,
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels));
     if (empty.empty()) continue;
     RAYFIELD_ASSIGN(const LeafSizePairs here, pairs_of_tile(work, entry, std::move(empty)));
     pairs += here;
@@ -64,9 +54,9 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
   if (!fit.enabled) return work.options.segments.voxel_m;
   if (work.options.estimator.leaf_size_m2 > 0) return fitted_size(work.options.estimator.leaf_size_m2, fit);
   KeyBuilder key("voxelsize", kVoxelSizeVersion);
-  add_options(key, work.options.segments);
-  add_options(key, work.voxels);
-  add_options(key, fit).add(work.layout_key).add(work.files.sha256("profile", "block"));
+  key.add(option_numbers(work.options.segments));
+  key.add(option_numbers(work.voxels));
+  key.add(option_numbers(fit)).add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {

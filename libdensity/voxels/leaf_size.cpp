@@ -1,4 +1,5 @@
-#include "rayfield/density/leaf_size.h"
+#include "libdensity/voxels/leaf_size.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -167,7 +168,7 @@ LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
 LeafShadow leaf_shadow(double area_m2, double voxel_m) {
   if (!(area_m2 > 0) || !(voxel_m > 0)) return {};
   const double side = std::sqrt(area_m2), dt = voxel_m / 24;
-  const int steps = static_cast<int>(std::ceil((1.75 * voxel_m + 2 * side) / dt));
+  const int steps = ceil_int((1.75 * voxel_m + 2 * side) / dt);
   Uniform uniform(20181212);
   // Share of places of a point in the voxel for which it is there with these two shifts of itself.
   const auto overlap = [voxel_m](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {

@@ -1,8 +1,9 @@
+#include "libdensity/voxels/row_segment_arrays.h"
+
 #include <array>
 #include <cmath>
 
 #include "libdensity/tiles/stored.h"
-#include "rayfield/density/row_segments.h"
 
 namespace rayfield::density {
 namespace {

@@ -1,4 +1,4 @@
-#include "rayfield/density/row_segments.h"
+#include "libdensity/voxels/row_segments.h"
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -59,11 +60,10 @@ RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit
     top = std::max(top, e.up_high_m + margin);
   }
   // Whole voxels, outwards; half the spacing is where the neighbour's canopy begins.
-  const int most = std::max(1, static_cast<int>(std::floor(limit_m / o.voxel_m + 1e-9)));
-  const int first = std::max(-most, static_cast<int>(std::floor(low / o.voxel_m + 1e-9)));
-  const int last = std::min(most, static_cast<int>(std::ceil(high / o.voxel_m - 1e-9)));
-  const int n_up =
-      std::max(1, static_cast<int>(std::ceil((std::min(top, o.max_height_m) - o.up_min_m) / o.voxel_m - 1e-9)));
+  const int most = std::max(1, floor_int(limit_m / o.voxel_m + 1e-9));
+  const int first = std::max(-most, floor_int(low / o.voxel_m + 1e-9));
+  const int last = std::min(most, ceil_int(high / o.voxel_m - 1e-9));
+  const int n_up = std::max(1, ceil_int((std::min(top, o.max_height_m) - o.up_min_m) / o.voxel_m - 1e-9));
   e.across_min_m = first * o.voxel_m, e.across_max_m = last * o.voxel_m;
   e.up_max_m = o.up_min_m + n_up * o.voxel_m;
   if (e.hits > 0)
@@ -103,26 +103,6 @@ bool fit_ground(const GroundModel& ground, double length_m, double across_min_m,
 
 }  // namespace
 
-Result<void> RowSegmentOptions::validate() const {
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, kWhat, name, "value out of range",
-                "see rayfield/density/row_segments.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("voxel_m", voxel_m, 0.03, 0.3));
-  RAYFIELD_CHECK(check("voxels_per_segment", voxels_per_segment, 4, 200));
-  RAYFIELD_CHECK(check("up_min_m", up_min_m, 0, 1.5));
-  RAYFIELD_CHECK(check("across_low", across_low, 0, 0.4));
-  RAYFIELD_CHECK(check("across_high", across_high, 0.6, 1));
-  RAYFIELD_CHECK(check("up_high", up_high, 0.6, 1));
-  RAYFIELD_CHECK(check("widen_voxels", widen_voxels, 0, 10));
-  RAYFIELD_CHECK(check("min_half_width_m", min_half_width_m, 0.05, 2));
-  RAYFIELD_CHECK(check("min_height_m", min_height_m, 0.1, 3));
-  RAYFIELD_CHECK(check("max_height_m", max_height_m, up_min_m + min_height_m, 8));
-  RAYFIELD_CHECK(check("lone_half_width_m", lone_half_width_m, 0.3, 3));
-  return {};
-}
-
 std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile& profile,
                                     const RowSegmentOptions& options) {
   const double limit = layout.spacing_m > 0 ? 0.5 * layout.spacing_m : options.lone_half_width_m;
@@ -139,7 +119,7 @@ Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundM
   for (std::size_t r = 0; r < layout.rows.size(); ++r) {
     const Row& row = layout.rows[r];
     const RowExtents& e = out.extents[r];
-    const int columns = std::max(1, static_cast<int>(std::ceil(row.length_m() / options.voxel_m - 1e-6)));
+    const int columns = std::max(1, ceil_int(row.length_m() / options.voxel_m - 1e-6));
     int left_out = 0;
     for (int first = 0, index = 0; first < columns; first += options.voxels_per_segment, ++index) {
       RowSegment s;
@@ -150,8 +130,8 @@ Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundM
       s.origin = point_at(row.centreline, s.chainage_m).position;
       s.direction = (point_at(row.centreline, s.chainage_m + length).position - s.origin).normalized();
       s.across_min_m = e.across_min_m, s.up_min_m = options.up_min_m;
-      s.n_across = static_cast<int>(std::lround((e.across_max_m - e.across_min_m) / options.voxel_m));
-      s.n_up = static_cast<int>(std::lround((e.up_max_m - options.up_min_m) / options.voxel_m));
+      s.n_across = round_int((e.across_max_m - e.across_min_m) / options.voxel_m);
+      s.n_up = round_int((e.up_max_m - options.up_min_m) / options.voxel_m);
       if (fit_ground(ground, length, e.across_min_m, e.across_max_m, s)) {
         out.row_segments.push_back(s);
       } else {
@@ -164,15 +144,6 @@ Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundM
                       row.number, left_out, options.voxels_per_segment * options.voxel_m));
   }
   return out;
-}
-
-RowSegmentOptions with_voxel_size(const RowSegmentOptions& options, double voxel_m) {
-  RowSegmentOptions changed = options;
-  changed.voxel_m = voxel_m;
-  if (!(voxel_m > 0)) return changed;  // refused by validate()
-  changed.voxels_per_segment =
-      std::max(4, static_cast<int>(std::lround(options.voxels_per_segment * options.voxel_m / voxel_m)));
-  return changed;
 }
 
 }  // namespace rayfield::density

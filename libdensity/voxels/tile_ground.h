@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "rayfield/density/row_layout.h"
+#include "libdensity/layout/row_layout.h"
 
 namespace rayfield::density {
 

@@ -1,4 +1,4 @@
-#include "rayfield/density/voxel_arrays.h"
+#include "libdensity/voxels/voxel_arrays.h"
 
 #include <array>
 #include <cmath>
@@ -74,7 +74,7 @@ Result<Cursor> open(const tile::ArraySet& a) {
 
 Result<void> pull_voxels(Cursor& c, RowSegmentVoxels& out) {
   const RowSegment& s = out.row_segment;
-  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
+  const std::size_t columns = s.shape().columns();
   if (c.column.size() - c.at_column < columns) return damaged("the table of columns is too short");
   out.column.assign(c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column),
                     c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column + columns));

@@ -1,4 +1,4 @@
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -58,21 +58,10 @@ struct Gaps {
 };
 
 bool same_grid(const RowSegment& a, const RowSegment& b) {
-  return a.row == b.row && a.index == b.index && a.n_along == b.n_along && a.n_across == b.n_across && a.n_up == b.n_up;
+  return a.row == b.row && a.index == b.index && a.shape() == b.shape();
 }
 
 }  // namespace
-
-Result<void> VoxelOptions::validate() const {
-  RAYFIELD_CHECK(leaf_angles.validate());
-  if (!(wood_shell_m >= 0 && wood_shell_m <= 0.2))
-    return fail(ErrorCode::usage, "bad voxel option", "wood_shell_m", "must lie in 0…0.2 m",
-                "three times the range noise");
-  if (!(sure_return_m >= 0 && sure_return_m <= 200 && slope_margin >= 0 && slope_margin <= 0.5))
-    return fail(ErrorCode::usage, "bad voxel option", "sure_return_m, slope_margin", "must lie in 0…200 m and 0…0.5",
-                "about half the lidar's range");
-  return {};
-}
 
 VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   rays += other.rays, hits += other.hits;
@@ -82,8 +71,7 @@ VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
 }
 
 std::span<const VoxelCounters> RowSegmentVoxels::column_voxels(int along, int across) const {
-  const std::int32_t c = column[static_cast<std::size_t>(along) * static_cast<std::size_t>(row_segment.n_across) +
-                                static_cast<std::size_t>(across)];
+  const std::int32_t c = column[row_segment.shape().column(along, across)];
   if (c < 0) return {};
   const auto n = static_cast<std::size_t>(row_segment.n_up);
   return std::span(voxels).subspan(static_cast<std::size_t>(c) * n, n);
@@ -112,17 +100,16 @@ struct VoxelAccumulator::Geometry {
 namespace {
 
 /// Numbers the columns of a row segment that belong to the tile; counters all zero.
-RowSegmentVoxels allocate(const RowSegment& s, const tile::TileIndex& tile, double tile_size_m) {
+RowSegmentVoxels allocate(const RowSegment& s, const tile::TileRef& tile) {
   RowSegmentVoxels out;
   out.row_segment = s;
-  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
-  out.column.assign(columns, -1);
+  out.column.assign(s.shape().columns(), -1);
   std::int32_t next = 0;
   std::size_t i = 0;
   for (int a = 0; a < s.n_along; ++a) {
     for (int c = 0; c < s.n_across; ++c, ++i) {
-      const Eigen::Vector2d p = column_center(s, a, c) / tile_size_m;
-      if (std::floor(p.x()) == tile.ix && std::floor(p.y()) == tile.iy) out.column[i] = next++;
+      const Eigen::Vector2d p = column_center(s, a, c) / tile.size_m;
+      if (std::floor(p.x()) == tile.index.ix && std::floor(p.y()) == tile.index.iy) out.column[i] = next++;
     }
   }
   out.entries.assign(static_cast<std::size_t>(next), 0);
@@ -134,18 +121,14 @@ RowSegmentVoxels allocate(const RowSegment& s, const tile::TileIndex& tile, doub
 
 VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry)
     : geometry_(std::move(geometry)), sums_(geometry_->empty) {}
-VoxelAccumulator::VoxelAccumulator(VoxelAccumulator&&) noexcept = default;
-VoxelAccumulator& VoxelAccumulator::operator=(VoxelAccumulator&&) noexcept = default;
-VoxelAccumulator::~VoxelAccumulator() = default;
 
-Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double tile_size_m,
-                                                  std::span<const RowSegment> row_segments,
+Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std::span<const RowSegment> row_segments,
                                                   std::span<const WoodCylinder> wood, const VoxelOptions& options) {
   RAYFIELD_CHECK(options.validate());
   auto geometry = std::make_shared<Geometry>();
   geometry->options = options;
   geometry->projection = LeafProjectionTable(options.leaf_angles);
-  geometry->tile = tile;
+  geometry->tile = tile.index;
   std::vector<RowSegment> kept;
   double voxel_m = 0;
   for (const RowSegment& s : row_segments) {
@@ -157,7 +140,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
     if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))
       return fail(ErrorCode::usage, "cannot lay out voxels", where,
                   "voxel size not positive or direction not a unit vector");
-    RowSegmentVoxels voxels = allocate(s, tile, tile_size_m);
+    RowSegmentVoxels voxels = allocate(s, tile);
     if (voxels.entries.empty()) continue;
     kept.push_back(s);
     geometry->frames.emplace_back(s);
@@ -165,9 +148,9 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
     voxel_m = std::max(voxel_m, s.voxel_m);
   }
   // Columns reach over the tile's border by at most half a voxel diagonal.
-  const Eigen::Vector2d corner(tile.ix * tile_size_m, tile.iy * tile_size_m);
+  const Eigen::Vector2d corner = tile.corner();
   Eigen::AlignedBox2d bounds(Eigen::Vector2d(corner.array() - voxel_m),
-                             Eigen::Vector2d(corner.array() + tile_size_m + voxel_m));
+                             Eigen::Vector2d(corner.array() + tile.size_m + voxel_m));
   for (const WoodCylinder& w : wood)
     if (bounds.exteriorDistance(Eigen::Vector2d(w.base.head<2>())) < w.length_m + 1) geometry->wood.push_back(w);
   geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
@@ -175,16 +158,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
   return VoxelAccumulator(geometry);
 }
 
-VoxelAccumulator VoxelAccumulator::fork() const { return VoxelAccumulator(geometry_); }
-
 bool VoxelAccumulator::empty() const { return sums_.empty(); }
-
-std::size_t VoxelAccumulator::memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const RowSegmentVoxels& s : sums_)
-    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.entries.size() * 4 + s.column.size() * 4;
-  return bytes;
-}
 
 template <class Meet>
 void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
@@ -251,8 +225,7 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
       const RowSegment& s = sums_[item].row_segment;
       const Eigen::Array3d at = g.frames[item].grid_from_map(end).array().floor();
       if ((at < 0).any() || (at >= Eigen::Array3d(s.n_along, s.n_across, s.n_up)).any()) continue;
-      const auto column =
-          static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(s.n_across) + static_cast<std::size_t>(at.y());
+      const std::size_t column = s.shape().column(static_cast<int>(at.x()), static_cast<int>(at.y()));
       out.hit = out.hit || sums_[item].column[column] >= 0;
     }
   out.hit = out.hit && !out.on_wood;

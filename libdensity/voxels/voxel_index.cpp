@@ -1,4 +1,5 @@
 #include "libdensity/voxels/voxel_index.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,8 +40,8 @@ VoxelIndex::VoxelIndex(std::span<const RowSegment> row_segments, std::span<const
   box = box.intersection(bounds);
   if (box.isEmpty() || row_segments.empty()) return;
   origin_ = box.min() - Eigen::Vector2d::Constant(1e-6);
-  nx_ = static_cast<int>(std::ceil((box.sizes().x() + 2e-6) / kCell));
-  ny_ = static_cast<int>(std::ceil((box.sizes().y() + 2e-6) / kCell));
+  nx_ = ceil_int((box.sizes().x() + 2e-6) / kCell);
+  ny_ = ceil_int((box.sizes().y() + 2e-6) / kCell);
   words_ = static_cast<int>((row_segments.size() + wood.size() + 63) / 64);
   const std::size_t count = static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_);
   cells_.assign(count, {kFar, -kFar});

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "rayfield/density/row_layout.h"
-#include "rayfield/density/wood.h"
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/voxels/wood.h"
 
 namespace rayfield::density {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "rayfield/density/integrate.h"
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/estimate/row_density.h"
 #include "tests/libdensity/hedge_scene.h"
 
 /// A hedge through counting, estimating and integrating.
@@ -23,7 +23,7 @@ inline RowDensity density_of(const Hedge& hedge, const tile::SegmentBatch& rays,
   count_all.sure_return_m = 0;  // no ray of these scans is missing
   for (int iy = -1; iy <= 0; ++iy)
     for (int ix = -1; ix <= 0; ++ix) {
-      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, row_segments, wood, count_all);
+      auto accumulator = VoxelAccumulator::create({{ix, iy}, 1000}, row_segments, wood, count_all);
       EXPECT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
       tiles.push_back(std::move(*accumulator).finish());
       pairs += tiles.back().pairs;

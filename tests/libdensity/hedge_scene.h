@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "rayfield/density/row_layout.h"
-#include "rayfield/density/wood.h"
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/voxels/wood.h"
 #include "rayfield/tile/segments.h"
 
 /// A hedge of square leaves on a plane, scanned from a lane on each side by a spinning 2-D lidar, with its own ray

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 /// Small voxel grids and rays through them, for tests.
 namespace rayfield::density::testing {
@@ -75,7 +75,7 @@ inline VoxelOptions count_every_ray() {
 
 inline TileVoxels count_all(const std::vector<RowSegment>& row_segments, const tile::SegmentBatch& rays,
                             const std::vector<WoodCylinder>& wood = {}) {
-  auto accumulator = VoxelAccumulator::create(kBigTile, kBigTileSize, row_segments, wood, count_every_ray());
+  auto accumulator = VoxelAccumulator::create({kBigTile, kBigTileSize}, row_segments, wood, count_every_ray());
   if (!accumulator || !accumulator->add(rays)) return {};
   return std::move(*accumulator).finish();
 }
