@@ -1,5 +1,6 @@
 #pragma once
-/// Here one reading of every tile becomes a survey, the surveys the sensor's trajectory and the ground (docs/ground.md).
+/// Here one reading of every tile becomes a survey, the surveys the sensor's trajectory and the ground
+/// (docs/ground.md).
 #include <Eigen/Core>
 #include <array>
 #include <span>
