@@ -23,11 +23,11 @@ Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, co
   density::ProcessOptions options;
   RAYFIELD_CHECK(apply_settings(arguments.settings, options));
   if (arguments.voxel_m) {
-    options.stretches = density::with_voxel_size(options.stretches, *arguments.voxel_m);
+    options.segments = density::with_voxel_size(options.segments, *arguments.voxel_m);
     options.voxel_fit.enabled = false;
   }
   if (arguments.panel_length_m) options.posts.panel_length_m = arguments.panel_length_m;
-  if (arguments.leaf_size_m2) options.estimator.leaf_area_m2 = *arguments.leaf_size_m2;
+  if (arguments.leaf_size_m2) options.estimator.leaf_size_m2 = *arguments.leaf_size_m2;
   if (arguments.ellipsoid_ratio) options.voxels.leaf_angles.ellipsoid_ratio = *arguments.ellipsoid_ratio;
   if (arguments.sure_return_m) options.voxels.sure_return_m = *arguments.sure_return_m;
   if (arguments.raster_cell_m) options.plan.cell_m = *arguments.raster_cell_m;
@@ -71,13 +71,13 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
                                      {"plant_area_m2", scan.plant_area_m2},
-                                     {"leaf_size_cm2", 1e4 * scan.element_area_m2},
+                                     {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
                                      {"voxel_m", scan.voxel_m},
                                      {"files_made", scan.files_made},
                                      {"files_kept", scan.files_kept},
                                      {"notes", scan.notes}});
     outcome.text += fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
-                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.element_area_m2, 100 * scan.voxel_m,
+                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m,
                                 scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }

@@ -1,4 +1,5 @@
-#include "rayfield/density/integrate.h"
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,21 +98,12 @@ PanelValue panel_value(const RowDensity& row, const Sums& s, double from, double
   v.canopy_width_m = quantile_height(s.by_across, row.voxel_m, 0.5 + o.width_share / 2) -
                      quantile_height(s.by_across, row.voxel_m, 0.5 - o.width_share / 2);
   const int low = std::clamp(static_cast<int>(bottom / row.voxel_m), 0, row.n_up - 1);
-  const int high = std::clamp(static_cast<int>(std::ceil(top / row.voxel_m)) - 1, low, row.n_up - 1);
+  const int high = std::clamp(ceil_int(top / row.voxel_m) - 1, low, row.n_up - 1);
   v.gap_fraction = gap_between(row, from, to, low, high);
   return v;
 }
 
 }  // namespace
-
-Result<void> IntegrationOptions::validate() const {
-  if (!(height_share >= 0.5 && height_share <= 1 && width_share >= 0.5 && width_share <= 1))
-    return fail(ErrorCode::usage, "bad integration option", "height_share, width_share", "must lie in 0.5…1");
-  if (!(min_observed_fraction >= 0 && min_observed_fraction <= 1) || !(shared_error >= 0) || !(metre_step_m > 0))
-    return fail(ErrorCode::usage, "bad integration option", "min_observed_fraction, shared_error, metre_step_m",
-                "out of range", "see docs/density.md");
-  return {};
-}
 
 double quantile_height(std::span<const double> layer_area, double layer_m, double share) {
   double total = 0, below = 0;
@@ -142,13 +134,13 @@ std::vector<PanelValue> integrate_panels(const RowDensity& row, std::span<const 
 
 std::vector<RowMetreProduct> row_metres(const RowDensity& row, double row_length_m, const IntegrationOptions& options) {
   const double step = options.metre_step_m;
-  const int count = std::max(1, static_cast<int>(std::lround(row_length_m / step)));
+  const int count = std::max(1, round_int(row_length_m / step));
   std::vector<Sums> sums(at(count));
   for (Sums& s : sums) s.by_up.assign(at(row.n_up), 0), s.by_across.assign(at(row.n_across), 0);
   for (int a = 0; a < row.n_along; ++a) {
     const double low = row.chainage_m[at(a)], high = low + row.voxel_m;
-    const int first = std::clamp(static_cast<int>(std::floor(low / step)), 0, count - 1);
-    const int last = std::clamp(static_cast<int>(std::floor(high / step)), 0, count - 1);
+    const int first = std::clamp(floor_int(low / step), 0, count - 1);
+    const int last = std::clamp(floor_int(high / step), 0, count - 1);
     for (int k = first; k <= last; ++k) {
       const double from = k == 0 ? -kInfinity : k * step, to = k == count - 1 ? kInfinity : (k + 1) * step;
       const double share = share_between(row, a, from, to);
@@ -163,8 +155,8 @@ std::vector<RowMetreProduct> row_metres(const RowDensity& row, double row_length
     m.chainage_m = (k + 0.5) * step;
     const auto after = std::upper_bound(row.chainage_m.begin(), row.chainage_m.end(), m.chainage_m);
     const int along = std::max(0, static_cast<int>(after - row.chainage_m.begin()) - 1);
-    const Stretch& stretch = row.stretch(along);
-    m.position = stretch.origin + (m.chainage_m - stretch.chainage_m) * stretch.direction;
+    const RowSegment& row_segment = row.row_segment(along);
+    m.position = row_segment.origin + (m.chainage_m - row_segment.chainage_m) * row_segment.direction;
     const bool seen = s.observed > 0;
     m.leaf_area_per_m = seen ? s.leaf / step : kNaN;
     m.plant_area_per_m = seen ? s.plant / step : kNaN;

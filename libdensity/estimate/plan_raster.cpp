@@ -1,4 +1,4 @@
-#include "rayfield/density/plan_raster.h"
+#include "libdensity/estimate/plan_raster.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "rayfield/density/integrate.h"
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -40,7 +41,7 @@ double polygon_area(const Polygon& p) {
 }
 
 std::array<Eigen::Vector2d, 4> column_square(const RowDensity& row, int along, int across) {
-  const Eigen::Vector2d center = row.center(along, across), u = row.stretch(along).direction * (row.voxel_m / 2);
+  const Eigen::Vector2d center = row.center(along, across), u = row.row_segment(along).direction * (row.voxel_m / 2);
   const Eigen::Vector2d v(-u.y(), u.x());
   return {center - u - v, center + u - v, center + u + v, center - u + v};
 }
@@ -57,7 +58,7 @@ Column column_of(const RowDensity& row, int along, int across, double height_sha
     out.area += row.plant_area(along, across, u);
     out.variance += row.area_variance(along, across, u);
     out.seen = out.seen || row.state[row.index(along, across, u)] != VoxelState::unobserved;
-    layers[static_cast<std::size_t>(u)] = row.canopy_area(along, across, u);
+    layers[u] = row.canopy_area(along, across, u);
   }
   // Masked wood is known wherever it stands, also where no ray could pass.
   out.seen = out.seen || out.area > 0;
@@ -68,14 +69,6 @@ Column column_of(const RowDensity& row, int along, int across, double height_sha
 
 }  // namespace
 
-Result<void> PlanRasterOptions::validate() const {
-  if (!(cell_m >= 0.01 && cell_m <= 10))
-    return fail(ErrorCode::usage, "bad raster option", "cell_m", "must lie in 0.01…10 m");
-  if (!(height_share >= 0.5 && height_share <= 1))
-    return fail(ErrorCode::usage, "bad raster option", "height_share", "must lie in 0.5…1");
-  return {};
-}
-
 double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   Polygon p;
   p.count = std::min<std::size_t>(polygon.size(), 8);
@@ -84,11 +77,11 @@ double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vecto
   return polygon_area(p);
 }
 
-Result<PlanRaster> PlanRaster::create(std::span<const Stretch> stretches, const PlanRasterOptions& options) {
+Result<PlanRaster> PlanRaster::create(std::span<const RowSegment> row_segments, const PlanRasterOptions& options) {
   RAYFIELD_CHECK(options.validate());
-  if (stretches.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
+  if (row_segments.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
   Eigen::AlignedBox2d box;
-  for (const Stretch& s : stretches) {
+  for (const RowSegment& s : row_segments) {
     const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
     for (const double a : {0.0, s.n_along * s.voxel_m})
       for (const double c : {s.across_min_m, s.across_min_m + s.n_across * s.voxel_m})
@@ -117,10 +110,10 @@ void PlanRaster::add(const RowDensity& row) {
       Eigen::AlignedBox2d box;
       for (const Eigen::Vector2d& p : corners) box.extend(p);
       const Eigen::Vector2d low = (box.min() - cells_.origin) / cell, high = (box.max() - cells_.origin) / cell;
-      const int x0 = std::clamp(static_cast<int>(std::floor(low.x())), 0, cells_.nx - 1),
-                x1 = std::clamp(static_cast<int>(std::floor(high.x())), 0, cells_.nx - 1);
-      const int y0 = std::clamp(static_cast<int>(std::floor(low.y())), 0, cells_.ny - 1),
-                y1 = std::clamp(static_cast<int>(std::floor(high.y())), 0, cells_.ny - 1);
+      const int x0 = std::clamp(floor_int(low.x()), 0, cells_.nx - 1),
+                x1 = std::clamp(floor_int(high.x()), 0, cells_.nx - 1);
+      const int y0 = std::clamp(floor_int(low.y()), 0, cells_.ny - 1),
+                y1 = std::clamp(floor_int(high.y()), 0, cells_.ny - 1);
       for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
           const Eigen::Vector2d corner = cells_.origin + cell * Eigen::Vector2d(x, y);

@@ -1,4 +1,4 @@
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/row_density.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "libdensity/estimate/row_fill.h"
 #include "libdensity/estimate/slab_density.h"
+#include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/voxel_index.h"
 
 namespace rayfield::density {
@@ -16,26 +17,27 @@ constexpr int kRingPoints = 32;      // points round a cylinder
 constexpr double kRingStepM = 0.01;  // and between rings
 constexpr int kShareSamples = 8;     // per side of a column
 
-/// The along index whose column stands nearest to a map point, with its voxel coordinates in that stretch.
+/// The along index whose column stands nearest to a map point, with its voxel coordinates in that row segment.
 struct Located {
   int along = 0;
   Eigen::Vector3d grid = Eigen::Vector3d::Zero();
 };
 
-/// `first`: along index of each stretch's first column. Points beyond the row's ends go to its first or last column.
+/// `first`: along index of each row segment's first column. Points beyond the row's ends go to its first or last
+/// column.
 Located locate(const RowDensity& row, const std::vector<int>& first, const Eigen::Vector3d& p) {
   double best = 1e30;
   Located out;
-  for (std::size_t s = 0; s < row.stretches.size(); ++s) {
-    const Stretch& stretch = row.stretches[s];
-    const Eigen::Vector3d g = GridFrame(stretch).grid_from_map(p);
-    const double beyond = std::max({0.0, -g.x(), g.x() - stretch.n_along});
+  for (std::size_t s = 0; s < row.row_segments.size(); ++s) {
+    const RowSegment& row_segment = row.row_segments[s];
+    const Eigen::Vector3d g = GridFrame(row_segment).grid_from_map(p);
+    const double beyond = std::max({0.0, -g.x(), g.x() - row_segment.n_along});
     if (beyond >= best) continue;
     best = beyond;
-    out.along = first[s] + std::clamp(static_cast<int>(std::floor(g.x())), 0, stretch.n_along - 1);
+    out.along = first[s] + std::clamp(floor_int(g.x()), 0, row_segment.n_along - 1);
     out.grid = g;
-    out.grid.y() += std::round((stretch.across_min_m - row.across_min_m) / row.voxel_m);
-    out.grid.z() += std::round((stretch.up_min_m - row.up_min_m) / row.voxel_m);
+    out.grid.y() += std::round((row_segment.across_min_m - row.across_min_m) / row.voxel_m);
+    out.grid.z() += std::round((row_segment.up_min_m - row.up_min_m) / row.voxel_m);
   }
   return out;
 }
@@ -43,14 +45,14 @@ Located locate(const RowDensity& row, const std::vector<int>& first, const Eigen
 std::vector<int> first_columns(const RowDensity& row) {
   std::vector<int> first;
   int along = 0;
-  for (const Stretch& s : row.stretches) first.push_back(along), along += s.n_along;
+  for (const RowSegment& s : row.row_segments) first.push_back(along), along += s.n_along;
   return first;
 }
 
 /// Half the cylinder's surface from up_min_m above the ground upwards, shared out to the voxels it lies in.
 void add_wood_area(RowDensity& row, const std::vector<int>& first, const WoodCylinder& wood) {
   const Eigen::Vector3d e1 = wood.axis.unitOrthogonal(), e2 = wood.axis.cross(e1);
-  const int rings = std::max(1, static_cast<int>(std::ceil(wood.length_m / kRingStepM)));
+  const int rings = std::max(1, ceil_int(wood.length_m / kRingStepM));
   const double area = std::numbers::pi * wood.radius_m * wood.length_m / (rings * kRingPoints);
   for (int ring = 0; ring < rings; ++ring)
     for (int k = 0; k < kRingPoints; ++k) {
@@ -59,8 +61,8 @@ void add_wood_area(RowDensity& row, const std::vector<int>& first, const WoodCyl
                                 wood.radius_m * (std::cos(angle) * e1 + std::sin(angle) * e2);
       const Located at = locate(row, first, p);
       if (at.grid.z() < 0) continue;
-      const int across = std::clamp(static_cast<int>(std::floor(at.grid.y())), 0, row.n_across - 1);
-      const int up = std::clamp(static_cast<int>(std::floor(at.grid.z())), 0, row.n_up - 1);
+      const int across = std::clamp(floor_int(at.grid.y()), 0, row.n_across - 1);
+      const int up = std::clamp(floor_int(at.grid.z()), 0, row.n_up - 1);
       row.wood_area[row.index(at.along, across, up)] += static_cast<float>(area);
     }
 }
@@ -70,7 +72,7 @@ void take_free_share(RowDensity& row, const WoodCylinder& wood) {
   const Eigen::Vector2d base = wood.base.head<2>() + 0.5 * wood.length_m * wood.axis.head<2>();
   const double reach = wood.radius_m + row.voxel_m;
   for (int a = 0; a < row.n_along; ++a) {
-    const Stretch& s = row.stretch(a);
+    const RowSegment& s = row.row_segment(a);
     const Eigen::Vector2d u = s.direction, v(-u.y(), u.x());
     for (int c = 0; c < row.n_across; ++c) {
       const Eigen::Vector2d from_axis = row.center(a, c) - base;
@@ -88,23 +90,22 @@ void take_free_share(RowDensity& row, const WoodCylinder& wood) {
   }
 }
 
-Result<void> check_lattice(const RowDensity& row, const Stretch& s) {
+Result<void> check_lattice(const RowDensity& row, const RowSegment& s) {
   const double across = (s.across_min_m - row.across_min_m) / row.voxel_m,
                up = (s.up_min_m - row.up_min_m) / row.voxel_m;
   if (s.voxel_m == row.voxel_m && std::abs(across - std::round(across)) < 1e-6 && std::abs(up - std::round(up)) < 1e-6)
     return {};
   return fail(ErrorCode::usage, "cannot lay out a row's voxels",
-              "row " + std::to_string(s.row) + ", stretch " + std::to_string(s.index),
-              "its voxels are not on the lattice of the row's first stretch",
-              "give all stretches of a row one voxel size and snapped extents");
+              "row " + std::to_string(s.row) + ", row segment " + std::to_string(s.index),
+              "its voxels are not on the lattice of the row's first row segment",
+              "give all row segments of a row one voxel size and snapped extents");
 }
 
 }  // namespace
 
 Eigen::Vector2d RowDensity::center(int along, int across) const {
-  const Stretch& s = stretch(along);
-  const double a = chainage_m[static_cast<std::size_t>(along)] - s.chainage_m + 0.5 * voxel_m,
-               c = across_min_m + (across + 0.5) * voxel_m;
+  const RowSegment& s = row_segment(along);
+  const double a = chainage_m[along] - s.chainage_m + 0.5 * voxel_m, c = across_min_m + (across + 0.5) * voxel_m;
   return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
 }
 
@@ -122,41 +123,40 @@ double RowDensity::area_variance(int along, int across, int up) const {
   return static_cast<double>(variance[index(along, across, up)]) * volume * volume;
 }
 
-Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Stretch> stretches,
-                                                    std::span<const WoodCylinder> wood, const ElementPairs& pairs,
+Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const RowSegment> row_segments,
+                                                    std::span<const WoodCylinder> wood, const LeafSizePairs& pairs,
                                                     const EstimatorOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RowDensityBuilder out;
   out.options_ = options;
   RowDensity& r = out.row_;
   r.row = row;
-  for (const Stretch& s : stretches)
-    if (s.row == row) r.stretches.push_back(s);
-  if (r.stretches.empty())
-    return fail(ErrorCode::usage, "cannot estimate density", "row " + std::to_string(row), "it has no stretches");
-  std::sort(r.stretches.begin(), r.stretches.end(), [](const Stretch& a, const Stretch& b) {
+  for (const RowSegment& s : row_segments)
+    if (s.row == row) r.row_segments.push_back(s);
+  if (r.row_segments.empty())
+    return fail(ErrorCode::usage, "cannot estimate density", "row " + std::to_string(row), "it has no row segments");
+  std::sort(r.row_segments.begin(), r.row_segments.end(), [](const RowSegment& a, const RowSegment& b) {
     return a.first_along != b.first_along ? a.first_along < b.first_along : a.index < b.index;
   });
-  const Stretch& first = r.stretches.front();
+  const RowSegment& first = r.row_segments.front();
   r.voxel_m = first.voxel_m, r.across_min_m = first.across_min_m, r.up_min_m = first.up_min_m;
   int low_across = 0, low_up = 0;
-  for (std::size_t i = 0; i < r.stretches.size(); ++i) {
-    const Stretch& s = r.stretches[i];
+  for (std::size_t i = 0; i < r.row_segments.size(); ++i) {
+    const RowSegment& s = r.row_segments[i];
     RAYFIELD_CHECK(check_lattice(r, s));
-    const int across = static_cast<int>(std::lround((s.across_min_m - first.across_min_m) / r.voxel_m));
-    const int up = static_cast<int>(std::lround((s.up_min_m - first.up_min_m) / r.voxel_m));
+    const int across = round_int((s.across_min_m - first.across_min_m) / r.voxel_m);
+    const int up = round_int((s.up_min_m - first.up_min_m) / r.voxel_m);
     low_across = std::min(low_across, across), low_up = std::min(low_up, up);
     r.n_across = std::max(r.n_across, across + s.n_across), r.n_up = std::max(r.n_up, up + s.n_up);
-    r.stretch_of.insert(r.stretch_of.end(), static_cast<std::size_t>(s.n_along), static_cast<std::int32_t>(i));
+    r.segment_of.insert(r.segment_of.end(), static_cast<std::size_t>(s.n_along), static_cast<std::int32_t>(i));
     for (int a = 0; a < s.n_along; ++a) r.chainage_m.push_back(s.chainage_m + a * r.voxel_m);
   }
   r.n_across -= low_across, r.n_up -= low_up;
   r.across_min_m += low_across * r.voxel_m, r.up_min_m += low_up * r.voxel_m;
-  r.n_along = static_cast<int>(r.stretch_of.size());
-  r.entries.assign(r.stretch_of.size(), 0);
-  const auto voxels = r.stretch_of.size() * static_cast<std::size_t>(r.n_across) * static_cast<std::size_t>(r.n_up);
-  out.counters_.assign(voxels, {});
-  r.leaf_area_m2 = options.leaf_area_m2 >= 0 ? options.leaf_area_m2 : estimate_element_size(pairs).area_m2;
+  r.n_along = static_cast<int>(r.segment_of.size());
+  r.entries.assign(r.segment_of.size(), 0);
+  out.counters_.assign(r.shape().size(), {});
+  r.leaf_size_m2 = options.leaf_size_m2 >= 0 ? options.leaf_size_m2 : estimate_leaf_size(pairs).area_m2;
   for (const WoodCylinder& w : wood)
     if (w.row == row) out.wood_.push_back(w);
   return out;
@@ -164,26 +164,24 @@ Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Str
 
 Result<void> RowDensityBuilder::add(const TileVoxels& tile) {
   const std::vector<int> first = first_columns(row_);
-  for (const StretchVoxels& block : tile.stretches) {
-    if (block.stretch.row != row_.row) continue;
-    const auto found = std::find_if(row_.stretches.begin(), row_.stretches.end(),
-                                    [&](const Stretch& s) { return s.index == block.stretch.index; });
+  for (const RowSegmentVoxels& block : tile.row_segments) {
+    if (block.row_segment.row != row_.row) continue;
+    const auto found = std::find_if(row_.row_segments.begin(), row_.row_segments.end(),
+                                    [&](const RowSegment& s) { return s.index == block.row_segment.index; });
     const std::string where = "tile " + std::to_string(tile.tile.ix) + "_" + std::to_string(tile.tile.iy);
-    if (found == row_.stretches.end() || found->n_along != block.stretch.n_along ||
-        found->n_across != block.stretch.n_across || found->n_up != block.stretch.n_up)
+    if (found == row_.row_segments.end() || found->shape() != block.row_segment.shape())
       return fail(ErrorCode::damaged, "cannot use counted voxels", where,
-                  "they belong to other stretches of row " + std::to_string(row_.row), "run `rayfield process` again");
-    const auto k = static_cast<std::size_t>(found - row_.stretches.begin());
-    const auto across_shift = static_cast<int>(std::lround((found->across_min_m - row_.across_min_m) / row_.voxel_m));
-    const auto up_shift = static_cast<int>(std::lround((found->up_min_m - row_.up_min_m) / row_.voxel_m));
+                  "they belong to other row segments of row " + std::to_string(row_.row),
+                  "run `rayfield process` again");
+    const auto k = static_cast<std::size_t>(found - row_.row_segments.begin());
+    const auto across_shift = round_int((found->across_min_m - row_.across_min_m) / row_.voxel_m);
+    const auto up_shift = round_int((found->up_min_m - row_.up_min_m) / row_.voxel_m);
     for (int a = 0; a < found->n_along; ++a)
       for (int c = 0; c < found->n_across; ++c) {
         const auto column = block.column_voxels(a, c);
         if (column.empty()) continue;
-        const auto number = static_cast<std::size_t>(
-            block.column[static_cast<std::size_t>(a) * static_cast<std::size_t>(found->n_across) +
-                         static_cast<std::size_t>(c)]);
-        row_.entries[static_cast<std::size_t>(first[k]) + static_cast<std::size_t>(a)] += block.entries[number];
+        const std::int32_t number = block.column[found->shape().column(a, c)];
+        row_.entries[first[k] + a] += block.entries[number];
         const std::size_t to = row_.index(first[k] + a, c + across_shift, up_shift);
         for (std::size_t u = 0; u < column.size(); ++u) counters_[to + u] += column[u];
       }
@@ -197,7 +195,7 @@ RowDensity RowDensityBuilder::finish() && {
   r.variance.assign(counters_.size(), 0);
   r.state.assign(counters_.size(), VoxelState::unobserved);
   if (options_.estimator == Estimator::paper) {
-    estimate_paper(r, counters_, options_.paper_min_rays);
+    estimate_paper(r, counters_, static_cast<std::uint32_t>(options_.paper_min_rays));
   } else {
     estimate_slabs(r, counters_);
     pool_and_fill(r, counters_);
@@ -206,7 +204,7 @@ RowDensity RowDensityBuilder::finish() && {
   counters_.shrink_to_fit();
   if (!wood_.empty()) {
     r.wood_area.assign(r.density.size(), 0);
-    r.free_share.assign(static_cast<std::size_t>(r.n_along) * static_cast<std::size_t>(r.n_across), 1);
+    r.free_share.assign(r.shape().columns(), 1);
     const std::vector<int> first = first_columns(r);
     for (const WoodCylinder& w : wood_) add_wood_area(r, first, w), take_free_share(r, w);
   }

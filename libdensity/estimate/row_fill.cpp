@@ -28,18 +28,13 @@ struct Sum {
   }
 };
 
-bool inside(const RowDensity& r, int a, int c, int u) {
-  return a >= 0 && c >= 0 && u >= 0 && a < r.n_along && c < r.n_across && u < r.n_up;
-}
-
 /// Depth of each voxel of one cross-section, [across·n_up + up]; 0 = seen and empty. Two chamfer passes are exact for
 /// the chessboard distance; beyond the section everything is outside.
 std::vector<int> section_depth(const RowDensity& r, int along) {
   const int nc = r.n_across, nu = r.n_up;
-  std::vector<int> depth(static_cast<std::size_t>(nc) * static_cast<std::size_t>(nu));
-  const auto at = [nu](int c, int u) {
-    return static_cast<std::size_t>(c) * static_cast<std::size_t>(nu) + static_cast<std::size_t>(u);
-  };
+  const Shape3 section{1, nc, nu};
+  std::vector<int> depth(section.size());
+  const auto at = [&](int c, int u) { return section.index(0, c, u); };
   const auto value = [&](int c, int u) { return c < 0 || u < 0 || c >= nc || u >= nu ? 0 : depth[at(c, u)]; };
   for (int c = 0; c < nc; ++c)
     for (int u = 0; u < nu; ++u) {
@@ -64,10 +59,7 @@ std::vector<int> section_depth(const RowDensity& r, int along) {
 class Donors {
  public:
   explicit Donors(const RowDensity& r)
-      : layers_(r.n_up),
-        along_(r.n_along),
-        sums_(static_cast<std::size_t>(r.n_along + 1) * static_cast<std::size_t>(kDepths + 1) *
-              static_cast<std::size_t>(r.n_up)) {}
+      : layers_(r.n_up), along_(r.n_along), sums_(Shape3{r.n_along + 1, kDepths + 1, r.n_up}) {}
 
   void set_section(const RowDensity& r, std::span<const VoxelCounters> counters, int along,
                    const std::vector<int>& depth) {
@@ -83,9 +75,8 @@ class Donors {
           sum.count += 1, sum.density += density, sum.square += density * density;
         } else {
           const VoxelCounters& v = counters[voxel];
-          constexpr double unit = VoxelCounters::kUnit;
-          sum.potential += unit * static_cast<double>(v.potential), sum.hits += v.hits;
-          sum.path += unit * static_cast<double>(v.path), sum.hit_path += unit * static_cast<double>(v.hit_path);
+          sum.potential += v.potential_sides(), sum.hits += v.hits;
+          sum.path += v.path_sides(), sum.hit_path += v.hit_path_sides();
         }
       }
   }
@@ -99,16 +90,11 @@ class Donors {
   }
 
  private:
-  std::size_t where(int along, int depth, int up) const {
-    return (static_cast<std::size_t>(along) * (kDepths + 1) + static_cast<std::size_t>(depth)) *
-               static_cast<std::size_t>(layers_) +
-           static_cast<std::size_t>(up);
-  }
-  Sum& at(int along, int depth, int up) { return sums_[where(along, depth, up)]; }
-  const Sum& at(int along, int depth, int up) const { return sums_[where(along, depth, up)]; }
+  Sum& at(int along, int depth, int up) { return sums_.at(along, depth, up); }
+  const Sum& at(int along, int depth, int up) const { return sums_.at(along, depth, up); }
 
   int layers_, along_;
-  std::vector<Sum> sums_;
+  Grid3<Sum> sums_;
 };
 
 /// Seen voxels within a cube: how many, how many of them empty, and their densities.
@@ -121,7 +107,7 @@ Around around(const RowDensity& r, int a, int c, int u, int reach) {
   for (int i = -reach; i <= reach; ++i)
     for (int j = -reach; j <= reach; ++j)
       for (int k = -reach; k <= reach; ++k) {
-        if (!inside(r, a + i, c + j, u + k)) continue;
+        if (!r.shape().contains(a + i, c + j, u + k)) continue;
         const std::size_t voxel = r.index(a + i, c + j, u + k);
         if (!r.seen(voxel)) continue;
         const auto density = static_cast<double>(r.density[voxel]);
@@ -183,7 +169,7 @@ void fill_voxel(RowDensity& r, const Donors& donors, int a, int c, int u, int de
 
 void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters) {
   Donors donors(row);
-  const auto section = static_cast<std::size_t>(row.n_across) * static_cast<std::size_t>(row.n_up);
+  const std::size_t section = Shape3{1, row.n_across, row.n_up}.size();
   std::vector<std::vector<int>> depths(static_cast<std::size_t>(row.n_along));
   for (int a = 0; a < row.n_along; ++a) {
     std::vector<int> depth = section_depth(row, a);
@@ -191,11 +177,11 @@ void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters) {
     const std::size_t first = row.index(a, 0, 0);
     std::size_t own = 0;
     for (std::size_t i = 0; i < section; ++i) own += row.state[first + i] == VoxelState::observed ? 1u : 0u;
-    if (own < section) depths[static_cast<std::size_t>(a)] = std::move(depth);
+    if (own < section) depths[a] = std::move(depth);
   }
   // Sums were taken before any value is changed, and filled voxels are no neighbours, so the order does not matter.
   for (int a = 0; a < row.n_along; ++a) {
-    const std::vector<int>& depth = depths[static_cast<std::size_t>(a)];
+    const std::vector<int>& depth = depths[a];
     if (depth.empty()) continue;
     const std::size_t first = row.index(a, 0, 0);
     std::size_t seen = 0;
@@ -224,7 +210,7 @@ void estimate_paper(RowDensity& row, std::span<const VoxelCounters> counters, st
               for (int k = std::max(0, u - reach); k <= std::min(row.n_up - 1, u + reach); ++k) {
                 const VoxelCounters& v = counters[row.index(i, j, k)];
                 rays += v.rays, hits += v.hits;
-                path += static_cast<double>(v.path) * VoxelCounters::kUnit * row.voxel_m;
+                path += v.path_sides() * row.voxel_m;
               }
           if (rays >= min_rays) break;
         }

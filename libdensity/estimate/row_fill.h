@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/row_density.h"
 
 namespace rayfield::density {
 

@@ -6,8 +6,6 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kUnit = VoxelCounters::kUnit;
-
 /// Calls visit(voxel) for the voxels of the slab around (along, across, up) that lie in the grid.
 template <class Visit>
 void for_slab(const RowDensity& r, int along, int across, int up, Visit visit) {
@@ -22,15 +20,13 @@ void for_voxels(const RowDensity& r, Visit visit) {
       for (int u = 0; u < r.n_up; ++u) visit(a, c, u, r.index(a, c, u));
 }
 
-double potential_of(const VoxelCounters& v) { return kUnit * static_cast<double>(v.potential); }
-
 /// w = 1/(P + P̄); 0 where the slab has no rays.
 std::vector<double> weights_of(const RowDensity& r, std::span<const VoxelCounters> counters) {
   std::vector<double> out(counters.size(), 0);
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
     double sum = 0, count = 0;
-    for_slab(r, a, c, u, [&](std::size_t i) { sum += potential_of(counters[i]), count += 1; });
-    if (sum > 0) out[voxel] = 1 / (potential_of(counters[voxel]) + sum / count);
+    for_slab(r, a, c, u, [&](std::size_t i) { sum += counters[i].potential_sides(), count += 1; });
+    if (sum > 0) out[voxel] = 1 / (counters[voxel].potential_sides() + sum / count);
   });
   return out;
 }
@@ -43,17 +39,17 @@ struct Slab {
 };
 
 Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const std::vector<double>& weight,
-             const ElementShadow& shadow, int along, int across, int up) {
+             const LeafShadow& shadow, int along, int across, int up) {
   Slab out;
   double lit = 0, count = 0;  // Σ w·P, N
   for_slab(r, along, across, up, [&](std::size_t i) {
     const VoxelCounters& v = counters[i];
-    const double w = weight[i], potential = potential_of(v);
+    const double w = weight[i], potential = v.potential_sides();
     out.potential += potential;
-    out.path += w * kUnit * static_cast<double>(v.path) * (1 + shadow.in_front * w * potential);
+    out.path += w * v.path_sides() * (1 + shadow.in_front * w * potential);
     lit += w * potential, count += 1;
     out.hits += w * v.hits, out.hits_squared += w * w * v.hits;
-    out.hit_path += w * w * kUnit * static_cast<double>(v.hit_path);
+    out.hit_path += w * w * v.hit_path_sides();
   });
   out.path += shadow.inside * lit / count;
   return out;
@@ -62,9 +58,9 @@ Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const
 }  // namespace
 
 void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
-  const ElementShadow shadow = element_shadow(r.leaf_area_m2, r.voxel_m);
+  const LeafShadow shadow = leaf_shadow(r.leaf_size_m2, r.voxel_m);
   const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
-  const double whole_leaves = 0.5 * r.leaf_area_m2 / (r.voxel_m * r.voxel_m);
+  const double whole_leaves = 0.5 * r.leaf_size_m2 / (r.voxel_m * r.voxel_m);
   const std::vector<double> weight = weights_of(r, counters);
   std::vector<double> inverse(counters.size(), 0);  // 1/D of the slabs that are shared out
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
@@ -85,7 +81,7 @@ void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
     if (v.hits == 0) return;
     double sum = 0, squares = 0;
     for_slab(r, a, c, u, [&](std::size_t i) { sum += inverse[i], squares += inverse[i] * inverse[i]; });
-    const double w = weight[voxel], hit_path = kUnit * static_cast<double>(v.hit_path);
+    const double w = weight[voxel], hit_path = v.hit_path_sides();
     const double rate = w * v.hits * sum - w * w * hit_path * squares;
     r.density[voxel] += static_cast<float>(to_density * rate);
     r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits * sum * sum + rate * whole_leaves));

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/row_density.h"
 
 namespace rayfield::density {
 
@@ -15,7 +15,7 @@ inline constexpr double kMinPotential = 3.0;
 /// Density, variance and state of every voxel (docs/density.md, "Slabs"). The slab of a voxel is the voxel and its
 /// eight neighbours in the plane along the row and upwards; across the row, where light is lost, it is one voxel thick.
 /// With P the potential path of a voxel, P̄ its mean over the N voxels of the slab around it, S path, H hit path, m
-/// hits, b and s the shadows of elements in front of the voxel and inside it (element_shadow):
+/// hits, b and s the shadows of leaves in front of the voxel and inside it (leaf_shadow):
 ///   w = 1/(P + P̄),  D = Σ_slab w·S·(1 + b·w·P) + s·Σ_slab w·P/N,  λ̂ = Σ_slab w·m/D − Σ_slab w²·H/D² (unbiased_rate).
 /// The sum of λ̂ over all slabs is shared out to the voxels with the hits: a voxel gets w·m·Σ1/D − w²·H·Σ1/D², sums
 /// over the slabs that it is part of, so that what is empty stays empty. Voxels with fewer than two rays get the λ̂ of

@@ -1,4 +1,4 @@
-#include "rayfield/density/ground.h"
+#include "libdensity/ground/ground.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "libdensity/ground/ground_cells.h"
+#include "libdensity/ground/lower_hull.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -61,7 +63,7 @@ bool near_candidate(const Grid2<double>& lows, int cx, int cy, int reach) {
 // Robust local plane through the cell modes around a node, gaussian weights, Tukey re-weighting: its value at the node.
 double plane_at_node(const Surface& s, int cx, int cy, double sigma_cells, double cell_m) {
   constexpr double kTukey = 0.08;  // m
-  const int reach = static_cast<int>(std::ceil(3 * sigma_cells));
+  const int reach = ceil_int(3 * sigma_cells);
   double level = kNaN;
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   const double reference = s.half.at(2 * cx, 2 * cy);
@@ -113,7 +115,7 @@ Surface make_surface(const GroundCells& cells, const Grid2<double>& lows, const 
   s.half = rasterise(hull, points, cells.corner(), 0.5 * cells.cell_m(), 2 * cells.size() + 1);
   s.modes = Grid2<CellMode>(cells.corner(), cells.cell_m(), cells.size(), cells.size());
   // Only cells within two metres of the tile can reach one of its nodes.
-  const int margin = std::max(0, cells.halo() - static_cast<int>(std::ceil(2.0 / cells.cell_m())));
+  const int margin = std::max(0, cells.halo() - ceil_int(2.0 / cells.cell_m()));
   for (int y = margin; y < cells.size() - margin; ++y)
     for (int x = margin; x < cells.size() - margin; ++x) {
       const double base = s.half.at(2 * x + 1, 2 * y + 1);
@@ -135,8 +137,8 @@ double median_lift(const Surface& s, int halo, int n) {
 
 void fill_nodes(const Surface& s, int halo, const GroundOptions& options, GroundTile& out) {
   const double cell_m = out.nodes.cell_m;
-  const int gap_cells = static_cast<int>(std::floor(options.max_gap_m / cell_m));
-  const int wide_cells = static_cast<int>(std::ceil(1.5 / cell_m));
+  const int gap_cells = floor_int(options.max_gap_m / cell_m);
+  const int wide_cells = ceil_int(1.5 / cell_m);
   for (int iy = 0; iy < out.nodes.ny; ++iy)
     for (int ix = 0; ix < out.nodes.nx; ++ix) {
       const int cx = ix + halo, cy = iy + halo;
@@ -150,22 +152,6 @@ void fill_nodes(const Surface& s, int halo, const GroundOptions& options, Ground
 
 }  // namespace
 
-Result<void> GroundOptions::validate() const {
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, kWhat, name, "value out of range", "see rayfield/density/ground.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("curvature_per_m", curvature_per_m, 0.01, 1));
-  RAYFIELD_CHECK(check("halo_m", halo_m, 2, 50));
-  RAYFIELD_CHECK(check("min_support", min_support, 1, 100));
-  RAYFIELD_CHECK(check("support_m", support_m, 0.02, 0.5));
-  RAYFIELD_CHECK(check("max_drop_m", max_drop_m, 0.05, 2));
-  RAYFIELD_CHECK(check("max_rise_m", max_rise_m, 0.05, 1));
-  RAYFIELD_CHECK(check("fit_radius_m", fit_radius_m, 0.05, 1));
-  RAYFIELD_CHECK(check("max_gap_m", max_gap_m, 0.25, 20));
-  return {};
-}
-
 Result<GroundTile> estimate_ground(tile::TileIndex index, std::span<const TileSurvey* const> surveys,
                                    const GroundOptions& options) {
   RAYFIELD_CHECK(options.validate());
@@ -178,7 +164,7 @@ Result<GroundTile> estimate_ground(tile::TileIndex index, std::span<const TileSu
                   "survey all tiles with the same options");
 
   const double cell_m = reference.cell_m();
-  const GroundCells cells(index, surveys, static_cast<int>(std::ceil(options.halo_m / cell_m)));
+  const GroundCells cells(index, surveys, ceil_int(options.halo_m / cell_m));
   GroundTile out;
   out.nodes = Grid2<float>(Eigen::Vector2d(index.ix, index.iy) * reference.tile_size_m, cell_m, reference.cells + 1,
                            reference.cells + 1, std::numeric_limits<float>::quiet_NaN());

@@ -1,9 +1,10 @@
+#include "libdensity/ground/ground_arrays.h"
+
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "libdensity/tiles/stored.h"
-#include "rayfield/density/ground.h"
 
 namespace rayfield::density {
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "libdensity/tiles/fixed_point.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -18,7 +19,7 @@ double bin_mean(const LowBin& bin, double bin_m) {
 
 // A quarter of the way up the hits in the first supported window: less noisy than the minimum, still low in grass.
 double supported_low(std::span<const LowBin> bins, double bin_m, const GroundOptions& options) {
-  const int window = std::max(1, static_cast<int>(std::lround(options.support_m / bin_m)));
+  const int window = std::max(1, round_int(options.support_m / bin_m));
   for (std::size_t b = 0; b < bins.size(); ++b) {
     std::uint64_t total = 0;
     for (std::size_t c = b; c < bins.size() && bins[c].key < bins[b].key + window; ++c) total += bins[c].count;
@@ -85,14 +86,14 @@ CellMode ground_mode(std::span<const LowBin> bins, double bin_m, double hull_m, 
   constexpr double kHalfWindow = 0.04;  // m; three standard deviations of a lidar's range noise
   constexpr double kShare = 0.35;       // of the strongest peak: a lower peak with less is scatter
   constexpr std::array<double, 5> kKernel{1, 2, 3, 2, 1};
-  const std::int32_t first = static_cast<std::int32_t>(std::floor((hull_m - kBelow) / bin_m));
-  const int n = static_cast<int>(std::ceil((options.max_rise_m + kBelow) / bin_m)) + 1;
+  const std::int32_t first = floor_int((hull_m - kBelow) / bin_m);
+  const int n = ceil_int((options.max_rise_m + kBelow) / bin_m) + 1;
   std::vector<double> smooth(static_cast<std::size_t>(n) + 4, 0.0);  // two bins more on each side
   for (const LowBin& bin : bins)
     for (int k = -2; k <= 2; ++k) {
       const std::int64_t at = std::int64_t{bin.key} - first + k + 2;
       if (at >= 0 && at < static_cast<std::int64_t>(smooth.size()))
-        smooth[static_cast<std::size_t>(at)] += kKernel[static_cast<std::size_t>(k + 2)] * bin.count;
+        smooth[at] += kKernel[static_cast<std::size_t>(k + 2)] * bin.count;
     }
   const double highest = *std::max_element(smooth.begin() + 2, smooth.end() - 2);
   if (highest < 3.0 * options.min_support) return {};

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "libdensity/ground/ground.h"
 #include "rayfield/core/grid2.h"
-#include "rayfield/density/ground.h"
 
 namespace rayfield::density {
 

@@ -1,4 +1,5 @@
-#include "rayfield/density/ground_model.h"
+#include "libdensity/ground/ground_model.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +11,7 @@ void GroundModel::set(tile::TileIndex index, Grid2<float> nodes) { tiles_[index]
 
 std::optional<double> GroundModel::height(double easting, double northing) const {
   if (!std::isfinite(easting) || !std::isfinite(northing)) return std::nullopt;
-  const tile::TileIndex index{static_cast<std::int32_t>(std::floor(easting / tile_size_m_)),
-                              static_cast<std::int32_t>(std::floor(northing / tile_size_m_))};
+  const tile::TileIndex index{floor_int(easting / tile_size_m_), floor_int(northing / tile_size_m_)};
   const auto it = tiles_.find(index);
   if (it == tiles_.end()) return std::nullopt;
   const Grid2<float>& nodes = it->second;
@@ -20,8 +20,8 @@ std::optional<double> GroundModel::height(double easting, double northing) const
   // A point on the tile's far border may round to just past the last cell; it still belongs to that cell.
   const double fx = (easting - nodes.origin.x()) / nodes.cell_m;
   const double fy = (northing - nodes.origin.y()) / nodes.cell_m;
-  const int ix = std::clamp(static_cast<int>(std::floor(fx)), 0, nodes.nx - 2);
-  const int iy = std::clamp(static_cast<int>(std::floor(fy)), 0, nodes.ny - 2);
+  const int ix = std::clamp(floor_int(fx), 0, nodes.nx - 2);
+  const int iy = std::clamp(floor_int(fy), 0, nodes.ny - 2);
   const double u = std::clamp(fx - ix, 0.0, 1.0), v = std::clamp(fy - iy, 0.0, 1.0);
   const double z00 = static_cast<double>(nodes.at(ix, iy)), z10 = static_cast<double>(nodes.at(ix + 1, iy));
   const double z01 = static_cast<double>(nodes.at(ix, iy + 1)), z11 = static_cast<double>(nodes.at(ix + 1, iy + 1));

@@ -1,10 +1,10 @@
+#include "libdensity/ground/lower_hull.h"
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-
-#include "rayfield/density/ground.h"
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -62,7 +62,7 @@ std::array<int, 3> facet_vertices(qhT* qh, facetT* facet, const std::vector<Eige
   int n = 0;
   vertexT *vertex, **vertexp;
   FOREACHvertex_(facet->vertices) {
-    if (n < 3) v[static_cast<std::size_t>(n)] = qh_pointid(qh, vertex->point);
+    if (n < 3) v[n] = qh_pointid(qh, vertex->point);
     ++n;
   }
   const Eigen::Vector2d a = points[static_cast<std::size_t>(v[0])].head<2>();
@@ -107,7 +107,7 @@ Result<LowerHull> lower_hull(std::span<const Eigen::Vector3d> points, double cur
   std::vector<Eigen::Vector3d> lifted;
   std::vector<Eigen::Vector2d> plan;
   for (int i : index) {
-    const Eigen::Vector3d p = points[static_cast<std::size_t>(i)] - centre;
+    const Eigen::Vector3d p = points[i] - centre;
     lifted.emplace_back(p.x(), p.y(), p.z() + curvature_per_m * p.head<2>().squaredNorm());
     plan.emplace_back(p.head<2>());
   }
@@ -119,7 +119,7 @@ Result<LowerHull> lower_hull(std::span<const Eigen::Vector3d> points, double cur
 
   RAYFIELD_ASSIGN(LowerHull hull, hull_of(lifted));
   for (auto& triangle : hull.triangles)
-    for (int& v : triangle) v = index[static_cast<std::size_t>(v)];
+    for (int& v : triangle) v = index[v];
   return hull;
 }
 

@@ -1,4 +1,4 @@
-#include "rayfield/density/survey.h"
+#include "libdensity/ground/survey.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 #include <map>
 
 #include "libdensity/tiles/fixed_point.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -38,30 +39,17 @@ bool in_range(double value, double low, double high) { return value >= low && va
 
 }  // namespace
 
-Result<void> SurveyOptions::validate() const {
-  const auto refuse = [](const char* name, const char* range) -> Result<void> {
-    return fail(ErrorCode::usage, "cannot survey the tiles", name, "value out of range", range);
-  };
-  if (!in_range(ground_cell_m, 0.05, 1)) return refuse("ground_cell_m", "give 0.05 to 1 m");
-  if (!in_range(ground_bin_m, 0.005, 0.1)) return refuse("ground_bin_m", "give 0.005 to 0.1 m");
-  if (ground_bins < 8 || ground_bins > 200) return refuse("ground_bins", "give 8 to 200");
-  if (!in_range(coverage_cell_m, 0.1, 5)) return refuse("coverage_cell_m", "give 0.1 to 5 m");
-  if (!in_range(path_step_s, 0.01, 1)) return refuse("path_step_s", "give 0.01 to 1 s");
-  return {};
-}
-
 std::span<const LowBin> TileSurvey::cell_bins(int ix, int iy) const {
   const std::size_t cell =
       static_cast<std::size_t>(iy) * static_cast<std::size_t>(cells) + static_cast<std::size_t>(ix);
   return std::span<const LowBin>(bins).subspan(bin_begin[cell], bin_begin[cell + 1] - bin_begin[cell]);
 }
 
-SurveyAccumulator::SurveyAccumulator(tile::TileIndex index, double tile_size_m, const SurveyOptions& options)
-    : index_(index),
+SurveyAccumulator::SurveyAccumulator(const tile::TileRef& tile, const SurveyOptions& options)
+    : tile_(tile),
       options_(options),
-      tile_size_m_(tile_size_m),
-      cells_(std::max(1, static_cast<int>(std::lround(tile_size_m / options.ground_cell_m)))),
-      corner_(index.ix * tile_size_m, index.iy * tile_size_m),
+      cells_(std::max(1, round_int(tile.size_m / options.ground_cell_m))),
+      corner_(tile.corner()),
       bin_units_(std::max<std::int64_t>(1, fixed_from_metres(options.ground_bin_m))),
       first_time_s_(std::numeric_limits<double>::infinity()),
       last_time_s_(-std::numeric_limits<double>::infinity()),
@@ -70,8 +58,8 @@ SurveyAccumulator::SurveyAccumulator(tile::TileIndex index, double tile_size_m, 
   const std::size_t n = static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_);
   bins_.resize(n * static_cast<std::size_t>(options.ground_bins));
   used_.resize(n);
-  const int side = std::max(1, static_cast<int>(std::lround(tile_size_m / options.coverage_cell_m)));
-  coverage_ = Grid2<std::uint8_t>(corner_, tile_size_m / side, side, side);
+  const int side = std::max(1, round_int(tile.size_m / options.coverage_cell_m));
+  coverage_ = Grid2<std::uint8_t>(corner_, tile.size_m / side, side, side);
 }
 
 // Keeps the lowest `ground_bins` occupied bins of a cell. A bin that is pushed out can never belong to the lowest
@@ -101,7 +89,7 @@ void SurveyAccumulator::add_hit(const Eigen::Vector3d& end) {
   lowest_ = std::min(lowest_, end.z());
   highest_ = std::max(highest_, end.z());
   const Eigen::Vector2d local = end.head<2>() - corner_;
-  const double cell_m = tile_size_m_ / cells_;
+  const double cell_m = tile_.size_m / cells_;
   const int ix = std::clamp(static_cast<int>(local.x() / cell_m), 0, cells_ - 1);
   const int iy = std::clamp(static_cast<int>(local.y() / cell_m), 0, cells_ - 1);
   const std::int64_t z = fixed_from_metres(end.z());
@@ -130,8 +118,8 @@ void SurveyAccumulator::add_passage(const Eigen::Vector3d& from, const Eigen::Ve
   const int n = static_cast<int>(step.norm() / (0.5 * coverage_.cell_m)) + 1;
   for (int i = 0; i <= n; ++i) {
     const Eigen::Vector2d p = from.head<2>() + step * (static_cast<double>(i) / n) - corner_;
-    const int ix = static_cast<int>(std::floor(p.x() / coverage_.cell_m));
-    const int iy = static_cast<int>(std::floor(p.y() / coverage_.cell_m));
+    const int ix = floor_int(p.x() / coverage_.cell_m);
+    const int iy = floor_int(p.y() / coverage_.cell_m);
     if (coverage_.contains(ix, iy)) coverage_.at(ix, iy) |= kCoveragePassed;
   }
 }
@@ -173,8 +161,8 @@ void SurveyAccumulator::merge(const SurveyAccumulator& other) {
 
 TileSurvey SurveyAccumulator::finish() const {
   TileSurvey out;
-  out.index = index_;
-  out.tile_size_m = tile_size_m_;
+  out.index = tile_.index;
+  out.tile_size_m = tile_.size_m;
   out.path_step_s = options_.path_step_s;
   out.bin_m = metres_from_fixed(bin_units_);
   out.cells = cells_;

@@ -1,8 +1,9 @@
+#include "libdensity/ground/survey_arrays.h"
+
 #include <cmath>
 #include <limits>
 
 #include "libdensity/tiles/stored.h"
-#include "rayfield/density/survey.h"
 
 namespace rayfield::density {
 namespace {

@@ -1,4 +1,5 @@
-#include "rayfield/density/canopy_map.h"
+#include "libdensity/layout/canopy_map.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,21 +7,11 @@
 
 namespace rayfield::density {
 
-Result<void> CanopyMapOptions::validate() const {
-  const bool ordered = stem_min_m > 0 && canopy_min_m > stem_min_m && canopy_max_m > canopy_min_m &&
-                       tall_min_m >= canopy_max_m && tall_max_m > tall_min_m;
-  if (!(cell_m >= 0.02 && cell_m <= 0.5) || !ordered)
-    return fail(ErrorCode::usage, "cannot map the canopy", "options", "cells or heights out of range",
-                "give cells of 0.02 to 0.5 m and ascending heights");
-  return {};
-}
-
-CanopyAccumulator::CanopyAccumulator(tile::TileIndex index, double tile_size_m, const GroundModel& ground,
+CanopyAccumulator::CanopyAccumulator(const tile::TileRef& tile, const GroundModel& ground,
                                      const CanopyMapOptions& options)
     : ground_(&ground), options_(options) {
-  const int n = std::max(1, static_cast<int>(std::lround(tile_size_m / options.cell_m)));
-  const Eigen::Vector2d corner(index.ix * tile_size_m, index.iy * tile_size_m);
-  tile_.layers.fill(Grid2<std::uint8_t>(corner, tile_size_m / n, n, n));
+  const int n = std::max(1, round_int(tile.size_m / options.cell_m));
+  tile_.layers.fill(Grid2<std::uint8_t>(tile.corner(), tile.size_m / n, n, n));
 }
 
 void CanopyAccumulator::add(const tile::SegmentBatch& segments) {
@@ -48,17 +39,18 @@ void CanopyAccumulator::add(const tile::SegmentBatch& segments) {
 }
 
 void CanopyAccumulator::merge(const CanopyAccumulator& other) {
-  for (std::size_t l = 0; l < tile_.layers.size(); ++l)
-    for (std::size_t i = 0; i < tile_.layers[l].values.size(); ++i)
-      tile_.layers[l].values[i] =
-          static_cast<std::uint8_t>(std::min(255, tile_.layers[l].values[i] + other.tile_.layers[l].values[i]));
+  for (std::size_t l = 0; l < tile_.layers.size(); ++l) {
+    std::vector<std::uint8_t>& mine = tile_.layers[l].values;
+    const std::vector<std::uint8_t>& theirs = other.tile_.layers[l].values;
+    for (std::size_t i = 0; i < mine.size(); ++i)
+      mine[i] = static_cast<std::uint8_t>(std::min(255, mine[i] + theirs[i]));
+  }
 }
 
 void CanopyMap::set(tile::TileIndex index, CanopyTile tile) { tiles_[index] = std::move(tile); }
 
 int CanopyMap::hits(CanopyLayer layer, const Eigen::Vector2d& p) const {
-  const auto it = tiles_.find({static_cast<std::int32_t>(std::floor(p.x() / tile_size_m_)),
-                               static_cast<std::int32_t>(std::floor(p.y() / tile_size_m_))});
+  const auto it = tiles_.find({floor_int(p.x() / tile_size_m_), floor_int(p.y() / tile_size_m_)});
   if (it == tiles_.end()) return 0;
   const auto& grid = it->second.layers[static_cast<std::size_t>(layer)];
   const int ix = std::clamp(static_cast<int>((p.x() - grid.origin.x()) / grid.cell_m), 0, grid.nx - 1);

@@ -1,4 +1,4 @@
-#include "rayfield/density/layout_arrays.h"
+#include "libdensity/layout/layout_arrays.h"
 
 #include <cmath>
 #include <limits>

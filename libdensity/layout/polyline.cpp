@@ -1,4 +1,5 @@
 #include "libdensity/layout/polyline.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -6,11 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rayfield/density/row_layout.h"
-
 namespace rayfield::density {
-
-double Row::length_m() const { return polyline_length(centreline); }
 
 double polyline_length(std::span<const Eigen::Vector2d> line) {
   double length = 0;
@@ -32,8 +29,8 @@ LinePoint point_at(std::span<const Eigen::Vector2d> line, double chainage_m) {
   return {line.empty() ? Eigen::Vector2d::Zero() : line.front(), Eigen::Vector2d::UnitX()};
 }
 
-Foot project(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p) {
-  Foot best;
+LineProjection project_onto_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p) {
+  LineProjection best;
   double best_distance = std::numeric_limits<double>::infinity(), chainage = 0;
   const std::size_t n = line.size();
   for (std::size_t i = 1; i < n; ++i) {
@@ -57,7 +54,7 @@ Foot project(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p) {
 
 std::vector<Eigen::Vector2d> resampled(std::span<const Eigen::Vector2d> line, double step_m) {
   const double length = polyline_length(line);
-  const int n = std::max(1, static_cast<int>(std::lround(length / step_m)));
+  const int n = std::max(1, round_int(length / step_m));
   std::vector<Eigen::Vector2d> out;
   out.reserve(static_cast<std::size_t>(n) + 1);
   for (int i = 0; i <= n; ++i) out.push_back(point_at(line, length * i / n).position);
@@ -92,9 +89,7 @@ std::vector<double> smooth_values(std::span<const double> values, std::span<cons
     }
     for (int i = 0; i + 3 < n; ++i)
       for (int a = 0; a < 4; ++a)
-        for (int b = 0; b < 4; ++b)
-          entries.emplace_back(i + a, i + b,
-                               stiffness * kThird[static_cast<std::size_t>(a)] * kThird[static_cast<std::size_t>(b)]);
+        for (int b = 0; b < 4; ++b) entries.emplace_back(i + a, i + b, stiffness * kThird[a] * kThird[b]);
     Eigen::SparseMatrix<double> normal(n, n);
     normal.setFromTriplets(entries.begin(), entries.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);

@@ -15,14 +15,14 @@ struct LinePoint {
 };
 LinePoint point_at(std::span<const Eigen::Vector2d> line, double chainage_m);
 
-/// Foot of a point on a line.
-struct Foot {
+/// Where a point projects onto a line.
+struct LineProjection {
   double chainage_m = 0;
   double across_m = 0;  ///< positive to the left of the line's direction
   bool inside = false;  ///< false: the point lies before the first or after the last vertex
 };
-/// Nearest foot; the first and last segments are prolonged without end. `line` has at least two vertices.
-Foot project(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p);
+/// The nearest projection; the first and last segments are prolonged without end. `line` has at least two vertices.
+LineProjection project_onto_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& p);
 
 /// The same line with vertices `step_m` apart (the last step is shorter or longer by at most half a step).
 std::vector<Eigen::Vector2d> resampled(std::span<const Eigen::Vector2d> line, double step_m);

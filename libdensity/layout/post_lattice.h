@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "rayfield/density/posts.h"
+#include "libdensity/layout/posts.h"
 
 namespace rayfield::density {
 

@@ -1,4 +1,4 @@
-#include "rayfield/density/posts.h"
+#include "libdensity/layout/posts.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,9 @@
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/post_lattice.h"
-#include "rayfield/density/rows.h"
+#include "libdensity/layout/row_order.h"
+#include "libdensity/layout/rows.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -22,8 +24,8 @@ std::vector<PlacedStem> stems_of_row(const Row& row, std::span<const Stem> stems
   std::vector<PlacedStem> placed;
   for (const Stem& stem : stems) {
     if (stem.row != row.number) continue;
-    const Foot foot = project(row.centreline, stem.position);
-    placed.push_back({stem, foot.chainage_m, foot.across_m});
+    const LineProjection on_line = project_onto_line(row.centreline, stem.position);
+    placed.push_back({stem, on_line.chainage_m, on_line.across_m});
   }
   std::sort(placed.begin(), placed.end(), [](const PlacedStem& a, const PlacedStem& b) {
     return std::tie(a.chainage_m, a.across_m) < std::tie(b.chainage_m, b.across_m);
@@ -74,8 +76,8 @@ Post make_post(const Row& row, const PlacedStem& s) {
   post.row = row.number;
   post.position = s.stem.position, post.lean = s.stem.lean;
   post.height_m = s.stem.top_m, post.radius_m = s.stem.radius_m;
-  const Foot foot = project(row.centreline, post.position);
-  post.chainage_m = foot.chainage_m, post.across_m = foot.across_m;
+  const LineProjection on_line = project_onto_line(row.centreline, post.position);
+  post.chainage_m = on_line.chainage_m, post.across_m = on_line.across_m;
   return post;
 }
 
@@ -84,8 +86,8 @@ double cut_ends(Row& row, const std::vector<PlacedStem>& posts) {
   const double length = row.length_m();
   double start = 0, end = length;
   if (!posts.empty()) {
-    const double first = project(row.centreline, posts.front().stem.position).chainage_m;
-    const double last = project(row.centreline, posts.back().stem.position).chainage_m;
+    const double first = project_onto_line(row.centreline, posts.front().stem.position).chainage_m;
+    const double last = project_onto_line(row.centreline, posts.back().stem.position).chainage_m;
     if (std::abs(first) < kEndReach) start = first;
     if (std::abs(last - length) < kEndReach) end = last;
   }
@@ -136,7 +138,7 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
   for (const Eigen::Vector2d& p : unseen) {
     Post post;
     post.row = row.number;
-    post.chainage_m = project(row.centreline, p).chainage_m;
+    post.chainage_m = project_onto_line(row.centreline, p).chainage_m;
     post.position = point_at(row.centreline, post.chainage_m).position;
     post.height_m = usual_height, post.radius_m = usual_radius, post.detected = false;
     posts.push_back(post);
@@ -146,34 +148,14 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
   report.inferred += static_cast<int>(unseen.size());
   layout.posts.insert(layout.posts.end(), posts.begin(), posts.end());
   for (const PlacedStem& s : stems.trunks) {
-    const Foot foot = project(row.centreline, s.stem.position);
+    const LineProjection on_line = project_onto_line(row.centreline, s.stem.position);
     layout.trunks.push_back(
-        {row.number, foot.chainage_m, foot.across_m, s.stem.position, s.stem.radius_m, s.stem.top_m});
+        {row.number, on_line.chainage_m, on_line.across_m, s.stem.position, s.stem.radius_m, s.stem.top_m});
   }
   report.trunks += static_cast<int>(stems.trunks.size());
 }
 
 }  // namespace
-
-Result<void> PostOptions::validate() const {
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, kWhat, name, "value out of range", "see rayfield/density/posts.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("half_width_m", half_width_m, 0.15, 0.6));
-  RAYFIELD_CHECK(check("cell_m", cell_m, 0.01, 0.05));
-  RAYFIELD_CHECK(check("slab_m", slab_m, 0.05, 0.2));
-  RAYFIELD_CHECK(check("top_m", top_m, 1.5, 5));
-  RAYFIELD_CHECK(check("low_min_m", low_min_m, 0.05, 1));
-  RAYFIELD_CHECK(check("low_max_m", low_max_m, low_min_m + 2 * slab_m, 1.5));
-  RAYFIELD_CHECK(check("min_contrast", min_contrast, 1.5, 20));
-  RAYFIELD_CHECK(check("min_post_height_m", min_post_height_m, 0.8, 2));
-  RAYFIELD_CHECK(check("min_panel_m", min_panel_m, 1, 20));
-  RAYFIELD_CHECK(check("max_panel_m", max_panel_m, min_panel_m, 50));
-  RAYFIELD_CHECK(check("smoothing_m", smoothing_m, 5, 100));
-  if (panel_length_m) RAYFIELD_CHECK(check("panel_length_m", *panel_length_m, 0.5, 1000));
-  return {};
-}
 
 Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, const PostOptions& options) {
   RAYFIELD_CHECK(options.validate());
@@ -247,7 +229,7 @@ void make_panels(RowLayout& layout, std::optional<double> panel_length_m) {
     const double length = row.length_m();
     std::vector<double> borders{0};
     if (panel_length_m) {
-      const int n = std::max(1, static_cast<int>(std::floor(length / *panel_length_m + 0.5)));
+      const int n = std::max(1, floor_int(length / *panel_length_m + 0.5));
       for (int i = 1; i < n; ++i) borders.push_back(i * *panel_length_m);
     } else {
       for (const Post& post : layout.posts)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -17,7 +18,7 @@ Eigen::Vector2d left_of(const Eigen::Vector2d& u) { return {-u.y(), u.x()}; }
 double patch_mean(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along,
                   double across, double shift = 0) {
   const Eigen::Vector2d n = left_of(u);
-  const int na = static_cast<int>(std::lround(along / kPatch)), nc = static_cast<int>(std::lround(across / kPatch));
+  const int na = round_int(along / kPatch), nc = round_int(across / kPatch);
   double sum = 0;
   for (int a = -na; a <= na; ++a)
     for (int c = -nc; c <= nc; ++c) sum += canopy_at(canopy, p + u * (a * kPatch) + n * (shift + c * kPatch));
@@ -39,7 +40,7 @@ bool is_tall(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vec
 double centroid_offset(const CanopyMap& canopy, const Eigen::Vector2d& p, const Eigen::Vector2d& u, double along,
                        double reach) {
   const Eigen::Vector2d n = left_of(u);
-  const int na = static_cast<int>(std::lround(along / kPatch)), nc = static_cast<int>(std::lround(reach / kPatch));
+  const int na = round_int(along / kPatch), nc = round_int(reach / kPatch);
   double sum = 0, weight = 0;
   for (int c = -nc; c <= nc; ++c)
     for (int a = -na; a <= na; ++a) {
@@ -137,21 +138,21 @@ double canopy_at(const CanopyMap& canopy, const Eigen::Vector2d& p) {
   return std::min(canopy.hits(CanopyLayer::canopy, p), 8) / 8.0;
 }
 
-std::vector<RidgeSeed> find_seeds(const Drive& drive, const CanopyMap& canopy, const RowOptions& options) {
+std::vector<RidgeSeed> find_seeds(const Pass& pass, const CanopyMap& canopy, const RowOptions& options) {
   constexpr double kBin = 0.1;
-  const int bins = static_cast<int>(std::lround((options.max_offset_m + 0.5) / kBin));
-  const std::size_t window = static_cast<std::size_t>(std::lround(8.0 / options.drives.spacing_m));
+  const int bins = round_int((options.max_offset_m + 0.5) / kBin);
+  const std::size_t window = static_cast<std::size_t>(std::lround(8.0 / options.passes.spacing_m));
   std::vector<RidgeSeed> seeds;
-  const std::size_t n = drive.line.size();
+  const std::size_t n = pass.line.size();
   for (std::size_t begin = 0; begin + 2 < n; begin += window) {
     const std::size_t end = std::min(begin + window, n - 1);
     const std::size_t middle = (begin + end) / 2;
-    const Eigen::Vector2d u = (drive.line[end] - drive.line[begin]).normalized();
+    const Eigen::Vector2d u = (pass.line[end] - pass.line[begin]).normalized();
     for (int side : {1, -1}) {
       std::vector<double> profile(static_cast<std::size_t>(bins) + 1, 0.0);
       for (std::size_t j = begin; j <= end; ++j)
         for (std::size_t b = 0; b < profile.size(); ++b)
-          profile[b] += patch_mean(canopy, drive.line[j], u, 0.2, 0.1, side * static_cast<double>(b) * kBin) /
+          profile[b] += patch_mean(canopy, pass.line[j], u, 0.2, 0.1, side * static_cast<double>(b) * kBin) /
                         static_cast<double>(end - begin + 1);
       const std::size_t first = static_cast<std::size_t>(std::lround(options.min_offset_m / kBin));
       const double highest = *std::max_element(profile.begin() + static_cast<std::ptrdiff_t>(first), profile.end());
@@ -165,7 +166,7 @@ std::vector<RidgeSeed> find_seeds(const Drive& drive, const CanopyMap& canopy, c
                                            profile.begin() + static_cast<std::ptrdiff_t>(hi) + 1))
           continue;
         const double offset = side * static_cast<double>(b) * kBin;
-        seeds.push_back({drive.line[middle] + left_of(u) * offset, u, offset, profile[b]});
+        seeds.push_back({pass.line[middle] + left_of(u) * offset, u, offset, profile[b]});
         break;
       }
     }

@@ -1,4 +1,5 @@
 #include "libdensity/layout/row_locator.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +18,10 @@ double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, c
 
 }  // namespace
 
-RowLocator::RowLocator(const RowLayout& layout, tile::TileIndex index, double tile_size_m, double margin_m,
-                       double half_width_m)
+RowLocator::RowLocator(const RowLayout& layout, const tile::TileRef& tile, double margin_m, double half_width_m)
     : layout_(&layout), half_width_m_(half_width_m) {
-  const int n = static_cast<int>(std::ceil((tile_size_m + 2 * margin_m) / kCell)) + 1;
-  const Eigen::Vector2d corner =
-      Eigen::Vector2d(index.ix, index.iy) * tile_size_m - Eigen::Vector2d::Constant(margin_m);
+  const int n = ceil_int((tile.size_m + 2 * margin_m) / kCell) + 1;
+  const Eigen::Vector2d corner = tile.corner() - Eigen::Vector2d::Constant(margin_m);
   cells_ = Grid2<Nearest>(corner, kCell, n, n);
   const Eigen::Vector2d far_corner = corner + Eigen::Vector2d::Constant(n * kCell);
   const double reach = half_width_m + kProlong + kCell;
@@ -30,30 +29,30 @@ RowLocator::RowLocator(const RowLayout& layout, tile::TileIndex index, double ti
     const auto& line = layout.rows[r].centreline;
     std::vector<double> chainage(line.size(), 0.0);
     for (std::size_t i = 1; i < line.size(); ++i) chainage[i] = chainage[i - 1] + (line[i] - line[i - 1]).norm();
-    std::optional<Reach> part;
+    std::optional<RowInterval> part;
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
       const Eigen::Vector2d low = line[i].cwiseMin(line[i + 1]).array() - reach;
       const Eigen::Vector2d high = line[i].cwiseMax(line[i + 1]).array() + reach;
       if ((high.array() < corner.array()).any() || (low.array() > far_corner.array()).any()) continue;
       enter(static_cast<int>(r), static_cast<int>(i), reach);
-      if (!part) part = Reach{static_cast<int>(r), chainage[i], chainage[i + 1]};
+      if (!part) part = RowInterval{static_cast<int>(r), chainage[i], chainage[i + 1]};
       part->start_m = std::min(part->start_m, chainage[i]);
       part->end_m = std::max(part->end_m, chainage[i + 1]);
     }
-    if (part) reaches_.push_back(*part);
+    if (part) intervals_.push_back(*part);
     chainages_.push_back(std::move(chainage));
   }
 }
 
 void RowLocator::enter(int row, int segment, double reach_m) {
-  const auto& line = layout_->rows[static_cast<std::size_t>(row)].centreline;
-  const Eigen::Vector2d a = line[static_cast<std::size_t>(segment)], b = line[static_cast<std::size_t>(segment) + 1];
+  const auto& line = layout_->rows[row].centreline;
+  const Eigen::Vector2d a = line[segment], b = line[static_cast<std::size_t>(segment) + 1];
   const Eigen::Vector2d low = (a.cwiseMin(b) - cells_.origin) / kCell, high = (a.cwiseMax(b) - cells_.origin) / kCell;
-  const int ring = static_cast<int>(std::ceil(reach_m / kCell));
-  const int x0 = std::max(0, static_cast<int>(std::floor(low.x())) - ring);
-  const int x1 = std::min(cells_.nx - 1, static_cast<int>(std::floor(high.x())) + ring);
-  const int y0 = std::max(0, static_cast<int>(std::floor(low.y())) - ring);
-  const int y1 = std::min(cells_.ny - 1, static_cast<int>(std::floor(high.y())) + ring);
+  const int ring = ceil_int(reach_m / kCell);
+  const int x0 = std::max(0, floor_int(low.x()) - ring);
+  const int x1 = std::min(cells_.nx - 1, floor_int(high.x()) + ring);
+  const int y0 = std::max(0, floor_int(low.y()) - ring);
+  const int y1 = std::min(cells_.ny - 1, floor_int(high.y()) + ring);
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
       const float distance = static_cast<float>(distance_to_segment(cells_.center(x, y), a, b));
@@ -64,8 +63,8 @@ void RowLocator::enter(int row, int segment, double reach_m) {
 }
 
 std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, double beyond_m) const {
-  const int ix = static_cast<int>(std::floor((p.x() - cells_.origin.x()) / kCell));
-  const int iy = static_cast<int>(std::floor((p.y() - cells_.origin.y()) / kCell));
+  const int ix = floor_int((p.x() - cells_.origin.x()) / kCell);
+  const int iy = floor_int((p.y() - cells_.origin.y()) / kCell);
   if (!cells_.contains(ix, iy) || cells_.at(ix, iy).row < 0) return std::nullopt;
   const Nearest& near = cells_.at(ix, iy);
   const std::size_t row = static_cast<std::size_t>(near.row);
@@ -75,7 +74,7 @@ std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, do
   double best_distance = half_width_m_;
   bool outside = false;
   for (int s = std::max(0, near.segment - 1); s <= std::min(last, near.segment + 1); ++s) {
-    const Eigen::Vector2d a = line[static_cast<std::size_t>(s)], d = line[static_cast<std::size_t>(s) + 1] - a;
+    const Eigen::Vector2d a = line[s], d = line[static_cast<std::size_t>(s) + 1] - a;
     const double length = d.norm();
     if (length <= 0) continue;
     const Eigen::Vector2d u = d / length, r = p - a;
@@ -87,8 +86,7 @@ std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, do
     if (distance > best_distance) continue;
     best_distance = distance;
     outside = (s == 0 && along < -beyond_m) || (s == last && along > length + beyond_m);
-    best = Place{near.row, chainages_[row][static_cast<std::size_t>(s)] + t,
-                 std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
+    best = Place{near.row, chainages_[row][s] + t, std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
   }
   if (outside) return std::nullopt;
   return best;

@@ -4,17 +4,23 @@
 #include <optional>
 #include <vector>
 
+#include "libdensity/layout/row_layout.h"
 #include "rayfield/core/grid2.h"
-#include "rayfield/density/row_layout.h"
 #include "rayfield/tile/segments.h"
 
 namespace rayfield::density {
+
+/// A piece of a row.
+struct RowInterval {
+  int row = 0;  ///< index into RowLayout::rows
+  double start_m = 0, end_m = 0;
+};
 
 /// Finds the nearest row to points of one widened tile, and the point's place along and across that row.
 class RowLocator {
  public:
   /// Looks at rows up to `half_width_m` away. `layout` must outlive the locator.
-  RowLocator(const RowLayout& layout, tile::TileIndex index, double tile_size_m, double margin_m, double half_width_m);
+  RowLocator(const RowLayout& layout, const tile::TileRef& tile, double margin_m, double half_width_m);
 
   struct Place {
     int row = 0;  ///< index into RowLayout::rows
@@ -24,11 +30,7 @@ class RowLocator {
   std::optional<Place> locate(const Eigen::Vector2d& p_in_map, double beyond_m = 0) const;
 
   /// Rows that pass through the widened tile and the chainages between which they do.
-  struct Reach {
-    int row = 0;
-    double start_m = 0, end_m = 0;
-  };
-  const std::vector<Reach>& reaches() const { return reaches_; }
+  const std::vector<RowInterval>& intervals() const { return intervals_; }
 
  private:
   struct Nearest {
@@ -41,7 +43,7 @@ class RowLocator {
   double half_width_m_;
   std::vector<std::vector<double>> chainages_;  // of every vertex
   Grid2<Nearest> cells_;
-  std::vector<Reach> reaches_;
+  std::vector<RowInterval> intervals_;
 };
 
 }  // namespace rayfield::density

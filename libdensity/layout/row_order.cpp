@@ -1,10 +1,12 @@
+#include "libdensity/layout/row_order.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "libdensity/layout/polyline.h"
-#include "rayfield/density/rows.h"
 
 namespace rayfield::density {
 namespace {
@@ -31,9 +33,9 @@ std::optional<double> mean_distance(const Row& a, const Row& b) {
   double sum = 0;
   int n = 0;
   for (const auto& p : a.centreline) {
-    const Foot foot = project(b.centreline, p);
-    if (!foot.inside) continue;
-    sum += std::abs(foot.across_m);
+    const LineProjection on_line = project_onto_line(b.centreline, p);
+    if (!on_line.inside) continue;
+    sum += std::abs(on_line.across_m);
     ++n;
   }
   if (n < 4) return std::nullopt;

@@ -1,4 +1,4 @@
-#include "rayfield/density/rows.h"
+#include "libdensity/layout/rows.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/ridge.h"
+#include "libdensity/layout/row_order.h"
 
 namespace rayfield::density {
 namespace {
@@ -21,8 +22,8 @@ double share_beside(const std::vector<Eigen::Vector2d>& line, const std::vector<
                     double distance_m) {
   std::size_t near = 0;
   for (const auto& p : line) {
-    const Foot foot = project(other, p);
-    if (foot.inside && std::abs(foot.across_m) < distance_m) ++near;
+    const LineProjection on_line = project_onto_line(other, p);
+    if (on_line.inside && std::abs(on_line.across_m) < distance_m) ++near;
   }
   return static_cast<double>(near) / static_cast<double>(line.size());
 }
@@ -30,8 +31,8 @@ double share_beside(const std::vector<Eigen::Vector2d>& line, const std::vector<
 bool cross(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
   int before = 0;
   for (const auto& p : a) {
-    const Foot foot = project(b, p);
-    const int side = !foot.inside ? 0 : foot.across_m > 0 ? 1 : -1;
+    const LineProjection on_line = project_onto_line(b, p);
+    const int side = !on_line.inside ? 0 : on_line.across_m > 0 ? 1 : -1;
     if (side * before < 0) return true;
     before = side;
   }
@@ -39,20 +40,20 @@ bool cross(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vecto
 }
 
 // Which part of a row was driven along on its left and on its right, each 0…1.
-std::pair<double, double> driven_shares(const std::vector<Eigen::Vector2d>& line, const std::vector<Drive>& drives,
+std::pair<double, double> driven_shares(const std::vector<Eigen::Vector2d>& line, const std::vector<Pass>& passes,
                                         const RowOptions& options) {
   const double length = polyline_length(line);
   const std::size_t bins = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(length)));
   std::vector<bool> left(bins, false), right(bins, false);
-  for (const Drive& drive : drives)
-    for (std::size_t i = 0; i < drive.line.size(); ++i) {
-      const Foot foot = project(line, drive.line[i]);
-      if (!foot.inside || std::abs(foot.across_m) > options.max_offset_m + 0.5) continue;
-      const Eigen::Vector2d u = drive.line[std::min(i + 1, drive.line.size() - 1)] - drive.line[i > 0 ? i - 1 : 0];
-      if (angle_between_lines(u, point_at(line, foot.chainage_m).direction) > M_PI / 6) continue;
+  for (const Pass& pass : passes)
+    for (std::size_t i = 0; i < pass.line.size(); ++i) {
+      const LineProjection on_line = project_onto_line(line, pass.line[i]);
+      if (!on_line.inside || std::abs(on_line.across_m) > options.max_offset_m + 0.5) continue;
+      const Eigen::Vector2d u = pass.line[std::min(i + 1, pass.line.size() - 1)] - pass.line[i > 0 ? i - 1 : 0];
+      if (angle_between_lines(u, point_at(line, on_line.chainage_m).direction) > M_PI / 6) continue;
       const std::size_t bin =
-          std::min(bins - 1, static_cast<std::size_t>(foot.chainage_m / length * static_cast<double>(bins)));
-      (foot.across_m > 0 ? left : right)[bin] = true;
+          std::min(bins - 1, static_cast<std::size_t>(on_line.chainage_m / length * static_cast<double>(bins)));
+      (on_line.across_m > 0 ? left : right)[bin] = true;
     }
   const auto share = [bins](const std::vector<bool>& seen) {
     return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(bins);
@@ -68,10 +69,10 @@ double median(std::vector<double> values) {
 }
 
 // Strongest seeds first; one that lies on a ridge already traced adds nothing.
-std::vector<Ridge> trace_all(const std::vector<Drive>& drives, const CanopyMap& canopy, const RowOptions& options) {
+std::vector<Ridge> trace_all(const std::vector<Pass>& passes, const CanopyMap& canopy, const RowOptions& options) {
   std::vector<RidgeSeed> seeds;
-  for (const Drive& drive : drives) {
-    const auto more = find_seeds(drive, canopy, options);
+  for (const Pass& pass : passes) {
+    const auto more = find_seeds(pass, canopy, options);
     seeds.insert(seeds.end(), more.begin(), more.end());
   }
   std::sort(seeds.begin(), seeds.end(), [](const RidgeSeed& a, const RidgeSeed& b) {
@@ -81,9 +82,9 @@ std::vector<Ridge> trace_all(const std::vector<Drive>& drives, const CanopyMap& 
   std::vector<Ridge> ridges;
   for (const RidgeSeed& seed : seeds) {
     const bool known = std::any_of(ridges.begin(), ridges.end(), [&](const Ridge& ridge) {
-      const Foot foot = project(ridge.line, seed.position);
-      return foot.inside && std::abs(foot.across_m) < 0.6 &&
-             angle_between_lines(seed.direction, point_at(ridge.line, foot.chainage_m).direction) < M_PI / 6;
+      const LineProjection on_line = project_onto_line(ridge.line, seed.position);
+      return on_line.inside && std::abs(on_line.across_m) < 0.6 &&
+             angle_between_lines(seed.direction, point_at(ridge.line, on_line.chainage_m).direction) < M_PI / 6;
     });
     if (known) continue;
     if (auto ridge = trace_ridge(seed, canopy, options)) ridges.push_back(std::move(*ridge));
@@ -107,37 +108,16 @@ std::string refuse(const Ridge& ridge, double driven, double usual_strength, con
 
 }  // namespace
 
-Result<void> RowOptions::validate() const {
-  RAYFIELD_CHECK(drives.validate());
-  const auto check = [](const char* name, double value, double low, double high) -> Result<void> {
-    if (value >= low && value <= high) return {};
-    return fail(ErrorCode::usage, "cannot find the rows", name, "value out of range",
-                "see rayfield/density/rows.h for the ranges");
-  };
-  RAYFIELD_CHECK(check("min_offset_m", min_offset_m, 0.2, 2));
-  RAYFIELD_CHECK(check("max_offset_m", max_offset_m, 1, 6));
-  RAYFIELD_CHECK(check("half_width_m", half_width_m, 0.1, 1));
-  RAYFIELD_CHECK(check("max_gap_m", max_gap_m, 1, 30));
-  RAYFIELD_CHECK(check("min_length_m", min_length_m, 2, 100));
-  RAYFIELD_CHECK(check("min_cover", min_cover, 0.1, 1));
-  RAYFIELD_CHECK(check("min_strength_share", min_strength_share, 0, 1));
-  RAYFIELD_CHECK(check("max_tall_share", max_tall_share, 0, 1));
-  RAYFIELD_CHECK(check("max_lane_share", max_lane_share, 0.1, 1));
-  RAYFIELD_CHECK(check("smoothing_m", smoothing_m, 2, 100));
-  return {};
-}
-
 Result<RowFindings> find_rows(std::span<const PathPoint> path, const CanopyMap& canopy, const RowOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RowFindings out;
-  out.drives = find_drives(path, options.drives);
-  out.direction = longest_straight_run(out.drives);
+  const std::vector<Pass> passes = find_passes(path, options.passes);
 
-  std::vector<Ridge> ridges = trace_all(out.drives, canopy, options);
+  std::vector<Ridge> ridges = trace_all(passes, canopy, options);
   std::vector<std::pair<double, double>> driven;
   std::vector<double> strengths;
   for (const Ridge& ridge : ridges) {
-    driven.push_back(driven_shares(ridge.line, out.drives, options));
+    driven.push_back(driven_shares(ridge.line, passes, options));
     if (refuse(ridge, std::max(driven.back().first, driven.back().second), 0, options).empty())
       strengths.push_back(ridge.strength);
   }

@@ -1,10 +1,12 @@
+#include "libdensity/layout/stem_accumulator.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/row_locator.h"
 #include "libdensity/layout/stem_grid.h"
-#include "rayfield/density/posts.h"
+#include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
 namespace {
@@ -15,8 +17,7 @@ constexpr double kBeyond = 0.8;   // m; posts stand a little outside of the trac
 }  // namespace
 
 struct StemAccumulator::Impl {
-  tile::TileIndex index;
-  double tile_size_m;
+  tile::TileRef tile;
   const RowLayout* layout;
   const GroundModel* ground;
   PostOptions options;
@@ -25,29 +26,21 @@ struct StemAccumulator::Impl {
   std::vector<int> grid_of_row;
 };
 
-StemAccumulator::StemAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
-                                 const GroundModel& ground, const PostOptions& options)
-    : impl_(new Impl{index,
-                     tile_size_m,
-                     &layout,
-                     &ground,
-                     options,
-                     RowLocator(layout, index, tile_size_m, kMargin, options.half_width_m),
-                     {},
-                     {}}) {
+StemAccumulator::StemAccumulator(const tile::TileRef& tile, const RowLayout& layout, const GroundModel& ground,
+                                 const PostOptions& options)
+    : impl_(
+          new Impl{tile, &layout, &ground, options, RowLocator(layout, tile, kMargin, options.half_width_m), {}, {}}) {
   impl_->grid_of_row.assign(layout.rows.size(), -1);
-  for (const auto& reach : impl_->locator.reaches()) {
+  for (const auto& interval : impl_->locator.intervals()) {
     StemGrid grid;
-    grid.row = reach.row;
-    grid.cell_m = options.cell_m, grid.slab_m = options.slab_m, grid.half_width_m = options.half_width_m;
-    grid.first_along = static_cast<int>(std::floor((reach.start_m - kBeyond) / options.cell_m));
-    grid.n_along = static_cast<int>(std::ceil((reach.end_m + kBeyond) / options.cell_m)) - grid.first_along;
-    grid.n_across = static_cast<int>(std::lround(2 * options.half_width_m / options.cell_m));
-    grid.n_slabs = static_cast<int>(std::lround(options.top_m / options.slab_m));
-    grid.counts.assign(static_cast<std::size_t>(grid.n_along) * static_cast<std::size_t>(grid.n_across) *
-                           static_cast<std::size_t>(grid.n_slabs),
-                       0);
-    impl_->grid_of_row[static_cast<std::size_t>(reach.row)] = static_cast<int>(impl_->grids.size());
+    grid.row = interval.row;
+    grid.cell_m = options.cell_m, grid.layer_m = options.layer_m, grid.half_width_m = options.half_width_m;
+    grid.first_along = floor_int((interval.start_m - kBeyond) / options.cell_m);
+    grid.n_along = ceil_int((interval.end_m + kBeyond) / options.cell_m) - grid.first_along;
+    grid.n_across = round_int(2 * options.half_width_m / options.cell_m);
+    grid.n_layers = round_int(options.top_m / options.layer_m);
+    grid.counts.assign(grid.shape().size(), 0);
+    impl_->grid_of_row[interval.row] = static_cast<int>(impl_->grids.size());
     impl_->grids.push_back(std::move(grid));
   }
 }
@@ -65,15 +58,12 @@ void StemAccumulator::add(const tile::SegmentBatch& segments) {
     if (!place) continue;
     const auto ground = impl_->ground->height(p.x(), p.y());
     if (!ground) continue;
-    StemGrid& grid = impl_->grids[static_cast<std::size_t>(impl_->grid_of_row[static_cast<std::size_t>(place->row)])];
-    const int slab = static_cast<int>(std::floor((p.z() - *ground) / grid.slab_m));
-    const int a = static_cast<int>(std::floor(place->chainage_m / grid.cell_m)) - grid.first_along;
-    const int c = static_cast<int>(std::floor((place->across_m + grid.half_width_m) / grid.cell_m));
-    if (slab < 0 || slab >= grid.n_slabs || a < 0 || a >= grid.n_along || c < 0 || c >= grid.n_across) continue;
-    std::uint8_t& cell = grid.counts[(static_cast<std::size_t>(a) * static_cast<std::size_t>(grid.n_across) +
-                                      static_cast<std::size_t>(c)) *
-                                         static_cast<std::size_t>(grid.n_slabs) +
-                                     static_cast<std::size_t>(slab)];
+    StemGrid& grid = impl_->grids[static_cast<std::size_t>(impl_->grid_of_row[place->row])];
+    const int layer = floor_int((p.z() - *ground) / grid.layer_m);
+    const int a = floor_int(place->chainage_m / grid.cell_m) - grid.first_along;
+    const int c = floor_int((place->across_m + grid.half_width_m) / grid.cell_m);
+    if (!grid.shape().contains(a, c, layer)) continue;
+    std::uint8_t& cell = grid.counts[grid.shape().index(a, c, layer)];
     if (cell < 255) ++cell;
   }
 }
@@ -90,10 +80,10 @@ void StemAccumulator::merge(const StemAccumulator& other) {
 std::vector<Stem> StemAccumulator::finish() const {
   // Both neighbours see a stem on their border; a hair's breadth more than the tile makes sure that one keeps it.
   constexpr double kHair = 0.02;
-  const Eigen::Vector2d low = Eigen::Vector2d(impl_->index.ix, impl_->index.iy) * impl_->tile_size_m;
+  const Eigen::Vector2d low = impl_->tile.corner();
   std::vector<Stem> stems;
   for (const StemGrid& grid : impl_->grids) {
-    const Row& row = impl_->layout->rows[static_cast<std::size_t>(grid.row)];
+    const Row& row = impl_->layout->rows[grid.row];
     for (const GridStem& found : find_stems(grid, impl_->options)) {
       const LinePoint at = point_at(row.centreline, found.foot.x());
       const Eigen::Vector2d left(-at.direction.y(), at.direction.x());
@@ -101,7 +91,7 @@ std::vector<Stem> StemAccumulator::finish() const {
       stem.row = row.number;
       stem.position = at.position + left * found.foot.y();
       const Eigen::Vector2d local = stem.position - low;
-      if (local.minCoeff() < -kHair || local.maxCoeff() > impl_->tile_size_m + kHair) continue;
+      if (local.minCoeff() < -kHair || local.maxCoeff() > impl_->tile.size_m + kHair) continue;
       stem.lean = at.direction * found.lean.x() + left * found.lean.y();
       stem.radius_m = found.radius_m, stem.top_m = found.top_m, stem.contrast = found.contrast;
       stem.upper_share = found.upper_share, stem.solidity = found.solidity;

@@ -1,3 +1,5 @@
+#include "libdensity/pipeline/layout_products.h"
+
 #include <fmt/core.h>
 
 #include <cmath>
@@ -6,7 +8,6 @@
 
 #include "libdensity/layout/polyline.h"
 #include "rayfield/core/uuid.h"
-#include "rayfield/density/results_io.h"
 
 namespace rayfield::density {
 namespace {

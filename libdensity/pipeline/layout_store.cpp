@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include "libdensity/pipeline/option_keys.h"
-#include "rayfield/density/layout_arrays.h"
+#include "libdensity/layout/layout_arrays.h"
 
 namespace rayfield::density {
 namespace {
@@ -14,11 +13,11 @@ constexpr const char* kKind = "rows";
 // What the layout depends on besides the rays it was found in.
 std::string parameters_of(const ProcessOptions& options) {
   KeyBuilder key("layout", kLayoutVersion);
-  add_options(key, options.survey);
-  add_options(key, options.ground);
-  add_options(key, options.canopy);
-  add_options(key, options.rows);
-  add_options(key, options.posts);
+  key.add(option_numbers(options.survey));
+  key.add(option_numbers(options.ground));
+  key.add(option_numbers(options.canopy));
+  key.add(option_numbers(options.rows));
+  key.add(option_numbers(options.posts));
   return key.hex();
 }
 
@@ -50,8 +49,8 @@ Result<BlockLayout> load_layout(const tile::Store& store, const tile::Snapshot& 
   return BlockLayout{};
 }
 
-Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan& surveyed,
-                                             tile::Store::DerivedWriter& writer, BlockLayout& block) {
+Result<void> adopt_layout(ScanWork& work, const SurveyedScan& surveyed, tile::Store::DerivedWriter& writer,
+                          BlockLayout& block) {
   KeyBuilder key(parameters_of(work.options), kLayoutVersion);
   for (const tile::TileEntry& entry : work.scan.tiles) key.add(entry.content_sha256());
   Derivation registry(work.store, writer, "", work.options.redo);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "libdensity/layout/row_layout.h"
 #include "libdensity/pipeline/scan_stages.h"
-#include "rayfield/density/row_layout.h"
 
 namespace rayfield::density {
 
@@ -25,7 +25,7 @@ Result<BlockLayout> load_layout(const tile::Store& store, const tile::Snapshot& 
                                 const ProcessOptions& options);
 
 /// Finds the layout in this scan and makes it the block's.
-Result<void> found_layout_becomes_the_blocks(ScanWork& work, const SurveyedScan& surveyed,
-                                             tile::Store::DerivedWriter& writer, BlockLayout& block);
+Result<void> adopt_layout(ScanWork& work, const SurveyedScan& surveyed, tile::Store::DerivedWriter& writer,
+                          BlockLayout& block);
 
 }  // namespace rayfield::density

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libdensity/ground/ground_arrays.h"
+#include "libdensity/pipeline/layout_products.h"
 #include "libdensity/pipeline/layout_store.h"
+#include "libdensity/pipeline/results_io.h"
 #include "rayfield/core/date.h"
-#include "rayfield/density/results_io.h"
 
 namespace rayfield::density {
 namespace {

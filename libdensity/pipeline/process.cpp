@@ -3,7 +3,10 @@
 #include <cmath>
 
 #include "libdensity/pipeline/layout_store.h"
+#include "libdensity/pipeline/scan_products.h"
 #include "libdensity/pipeline/scan_stages.h"
+#include "libdensity/pipeline/scan_voxel_size.h"
+#include "libdensity/pipeline/scan_voxels.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/load.h"
 
@@ -17,7 +20,7 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   Derivation files(store, writer, scan.scan_id, options.redo);
   ScanWork work{store, scan, options, files, progress, thread_count(options.threads)};
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
-  if (!block.known) RAYFIELD_CHECK(found_layout_becomes_the_blocks(work, surveyed, writer, block));
+  if (!block.known) RAYFIELD_CHECK(adopt_layout(work, surveyed, writer, block));
   work.layout_key = block.key;
   work.voxels = options.voxels;
   if (holds_downward_misses(surveyed.surveys)) work.voxels.sure_return_m = 0;
@@ -25,15 +28,16 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
   const std::vector<WoodCylinder> wood = wood_of(block.layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, block.layout, surveyed.ground));
   RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, block.layout, surveyed.ground, profile, wood));
-  RAYFIELD_ASSIGN(const StretchList stretches, cut_stretches(work, block.layout, surveyed.ground, profile, voxel_m));
-  RAYFIELD_ASSIGN(const auto tiles, count_voxels(work, stretches, wood));
+  RAYFIELD_ASSIGN(const RowSegmentList row_segments,
+                  cut_row_segmentes(work, block.layout, surveyed.ground, profile, voxel_m));
+  RAYFIELD_ASSIGN(const auto tiles, count_voxels(work, row_segments, wood));
   ScanReport report;
   report.scan_id = scan.scan_id;
   report.rays = scan.ray_count;
-  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, stretches, wood, tiles));
+  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, row_segments, wood, tiles));
   for (const PanelValue& value : results.panel_values)
     if (std::isfinite(value.plant_area_m2)) report.plant_area_m2 += value.plant_area_m2;
-  report.element_area_m2 = results.element_area_m2;
+  report.leaf_size_m2 = results.element_area_m2;
   report.voxel_m = voxel_m;
   RAYFIELD_CHECK(files.finish());
   report.files_made = files.total().made, report.files_kept = files.total().kept;
@@ -41,28 +45,6 @@ Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWr
 }
 
 }  // namespace
-
-Result<void> VoxelFitOptions::validate() const {
-  const bool good = leaf_sides >= 0.5 && leaf_sides <= 5 && min_m >= 0.03 && max_m >= min_m && max_m <= 0.3 &&
-                    sample_m >= 0.03 && sample_m <= 0.3;
-  if (good) return {};
-  return fail(ErrorCode::usage, "cannot fit the voxels", "voxel_fit", "a value is out of range",
-              "see rayfield/density/process.h for the ranges");
-}
-
-Result<void> ProcessOptions::validate() const {
-  RAYFIELD_CHECK(survey.validate());
-  RAYFIELD_CHECK(ground.validate());
-  RAYFIELD_CHECK(canopy.validate());
-  RAYFIELD_CHECK(rows.validate());
-  RAYFIELD_CHECK(posts.validate());
-  RAYFIELD_CHECK(stretches.validate());
-  RAYFIELD_CHECK(voxel_fit.validate());
-  RAYFIELD_CHECK(voxels.validate());
-  RAYFIELD_CHECK(estimator.validate());
-  RAYFIELD_CHECK(integration.validate());
-  return plan.validate();
-}
 
 Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options, const std::string& command,
                               Progress& progress) {

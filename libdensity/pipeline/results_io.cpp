@@ -1,4 +1,5 @@
-#include "rayfield/density/results_io.h"
+#include "libdensity/pipeline/results_io.h"
+#include "libdensity/pipeline/layout_products.h"
 
 #include <array>
 #include <map>

@@ -1,3 +1,5 @@
+#include "libdensity/pipeline/scan_products.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,11 +9,16 @@
 #include <memory>
 #include <optional>
 
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/estimate/plan_raster.h"
+#include "libdensity/estimate/row_density.h"
 #include "libdensity/layout/polyline.h"
-#include "libdensity/pipeline/option_keys.h"
-#include "libdensity/pipeline/scan_stages.h"
-#include "rayfield/density/results_io.h"
-#include "rayfield/density/voxel_arrays.h"
+#include "libdensity/pipeline/layout_products.h"
+#include "libdensity/pipeline/results_io.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/tiles/rounding.h"
+#include "libdensity/voxels/voxel_arrays.h"
+#include "rayfield/density/load.h"
 
 namespace rayfield::density {
 namespace {
@@ -34,7 +41,8 @@ class VoxelCache {
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_.files.read("voxels", tile_name(index)));
     RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
     std::size_t size = 0;
-    for (const StretchVoxels& stretch : voxels.stretches) size += stretch.voxels.size() * sizeof(VoxelCounters);
+    for (const RowSegmentVoxels& row_segment : voxels.row_segments)
+      size += row_segment.voxels.size() * sizeof(VoxelCounters);
     kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
     used_ += size;
     while (used_ > bytes_ && kept_.size() > 1) {
@@ -94,13 +102,12 @@ void mark_lanes(const RowLayout& layout, std::span<const TileSurvey> surveys, do
   std::map<tile::TileIndex, const TileSurvey*> by_tile;
   for (const TileSurvey& survey : surveys) by_tile[survey.index] = &survey;
   const auto scanned = [&](const Eigen::Vector2d& p) {
-    const tile::TileIndex index{static_cast<std::int32_t>(std::floor(p.x() / tile_size_m)),
-                                static_cast<std::int32_t>(std::floor(p.y() / tile_size_m))};
+    const tile::TileIndex index{floor_int(p.x() / tile_size_m), floor_int(p.y() / tile_size_m)};
     const auto found = by_tile.find(index);
     if (found == by_tile.end()) return false;
     const Grid2<std::uint8_t>& coverage = found->second->coverage;
     const Eigen::Vector2d c = (p - coverage.origin) / coverage.cell_m;
-    const int ix = static_cast<int>(std::floor(c.x())), iy = static_cast<int>(std::floor(c.y()));
+    const int ix = floor_int(c.x()), iy = floor_int(c.y());
     return coverage.contains(ix, iy) && (coverage.at(ix, iy) & kCoverageHit) != 0;
   };
   const double reach = std::isfinite(layout.spacing_m) ? layout.spacing_m / 2 : 1.0;
@@ -112,7 +119,7 @@ void mark_lanes(const RowLayout& layout, std::span<const TileSurvey> surveys, do
       for (double across = -reach; across <= reach; across += step) {
         const Eigen::Vector2d p = point.position + across * Eigen::Vector2d(-point.direction.y(), point.direction.x());
         const Eigen::Vector2d c = (p - shape.origin) / shape.cell_m;
-        const int ix = static_cast<int>(std::floor(c.x())), iy = static_cast<int>(std::floor(c.y()));
+        const int ix = floor_int(c.x()), iy = floor_int(c.y());
         if (!shape.contains(ix, iy) || !std::isnan(shape.at(ix, iy)) || !scanned(p)) continue;
         for (RasterProduct& raster : rasters) raster.grid.at(ix, iy) = 0;
       }
@@ -129,8 +136,7 @@ RasterProduct ground_raster(const GroundModel& ground, const Grid2<float>& block
   const Eigen::Vector2d low(snap(block.origin.x() - margin, false), snap(block.origin.y() - margin, false));
   const Eigen::Vector2d high(snap(block.origin.x() + block.nx * block.cell_m + margin, true),
                              snap(block.origin.y() + block.ny * block.cell_m + margin, true));
-  const int nx = static_cast<int>(std::lround((high.x() - low.x()) / cell)),
-            ny = static_cast<int>(std::lround((high.y() - low.y()) / cell));
+  const int nx = round_int((high.x() - low.x()) / cell), ny = round_int((high.y() - low.y()) / cell);
   RasterProduct raster{"ground", "m", "Height of the ground", Grid2<float>(low, cell, nx, ny, kNotScanned)};
   for (int iy = 0; iy < ny; ++iy)
     for (int ix = 0; ix < nx; ++ix) {
@@ -141,33 +147,33 @@ RasterProduct ground_raster(const GroundModel& ground, const Grid2<float>& block
 }
 
 Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                           const StretchList& list, std::span<const WoodCylinder> wood,
+                           const RowSegmentList& list, std::span<const WoodCylinder> wood,
                            std::span<const tile::TileIndex> tiles) {
   ScanMaps maps;
   VoxelCache cache(work, work.options.memory_bytes / 8);
-  ElementPairs pairs;
+  LeafSizePairs pairs;
   std::map<int, std::vector<tile::TileIndex>> tiles_of_row;
   for (const tile::TileIndex index : tiles) {
     RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
     pairs += voxels->pairs;
-    for (const StretchVoxels& stretch : voxels->stretches) {
-      std::vector<tile::TileIndex>& of_row = tiles_of_row[stretch.stretch.row];
+    for (const RowSegmentVoxels& row_segment : voxels->row_segments) {
+      std::vector<tile::TileIndex>& of_row = tiles_of_row[row_segment.row_segment.row];
       if (of_row.empty() || of_row.back() != index) of_row.push_back(index);
     }
   }
-  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.stretches, work.options.plan));
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     if (tiles_of_row.count(row.number) == 0) continue;
     RAYFIELD_ASSIGN(RowDensityBuilder builder,
-                    RowDensityBuilder::create(row.number, list.stretches, wood, pairs, work.options.estimator));
+                    RowDensityBuilder::create(row.number, list.row_segments, wood, pairs, work.options.estimator));
     for (const tile::TileIndex index : tiles_of_row[row.number]) {
       RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
       RAYFIELD_CHECK(builder.add(*voxels));
     }
     const RowDensity density = std::move(builder).finish();
-    maps.results.element_area_m2 = density.leaf_area_m2;
+    maps.results.element_area_m2 = density.leaf_size_m2;
     RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
     plan.add(density);
     work.progress.advance(1);
@@ -181,12 +187,12 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
 }  // namespace
 
 Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                                   const StretchList& list, std::span<const WoodCylinder> wood,
+                                   const RowSegmentList& list, std::span<const WoodCylinder> wood,
                                    std::span<const tile::TileIndex> tiles) {
   KeyBuilder builder("results", kResultsVersion);
-  add_options(builder, work.options.estimator);
-  add_options(builder, work.options.integration);
-  add_options(builder, work.options.plan).add(work.layout_key).add(work.files.sha256("stretches", "block"));
+  builder.add(option_numbers(work.options.estimator));
+  builder.add(option_numbers(work.options.integration));
+  builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileEntry& entry : work.scan.tiles)
     builder.add(work.files.sha256("ground", tile_name(entry.index)))
@@ -203,7 +209,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
     RAYFIELD_CHECK(made());
     return results_to_arrays(maps->results, layout, work.store.config().crs);
   }));
-  for (const char* name : {"plan_density", "plan_density_se", "canopy_height", "ground"}) {
+  for (const char* name : kRasterNames) {
     RAYFIELD_CHECK(work.files.get("raster", name, key, [&]() -> Result<tile::ArraySet> {
       RAYFIELD_CHECK(made());
       for (const RasterProduct& raster : maps->rasters)

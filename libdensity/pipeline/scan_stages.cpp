@@ -5,38 +5,46 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libdensity/pipeline/option_keys.h"
+#include "libdensity/ground/ground.h"
+#include "libdensity/ground/ground_arrays.h"
+#include "libdensity/ground/survey_arrays.h"
+#include "libdensity/layout/canopy_map.h"
+#include "libdensity/layout/posts.h"
+#include "libdensity/layout/rows.h"
+#include "libdensity/layout/stem_accumulator.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/canopy_profile_arrays.h"
+#include "libdensity/voxels/row_segment_arrays.h"
 #include "rayfield/core/parallel.h"
-#include "rayfield/density/layout_arrays.h"
 
 namespace rayfield::density {
 namespace {
 
 // Raised whenever the code of a stage computes something else from the same input.
-constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kStretchesVersion = 1;
+constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kRowSegmentsVersion = 1;
 
 // Tiles within `reach_m` of a tile, itself among them.
-std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, tile::TileIndex index, double tile_size_m,
-                                    double reach_m) {
-  const int reach = static_cast<int>(std::ceil(reach_m / tile_size_m));
+std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, const tile::TileRef& tile, double reach_m) {
+  const int reach = ceil_int(reach_m / tile.size_m);
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < scan.tiles.size(); ++i) {
     const tile::TileIndex other = scan.tiles[i].index;
-    if (std::abs(other.ix - index.ix) <= reach && std::abs(other.iy - index.iy) <= reach) near.push_back(i);
+    if (std::abs(other.ix - tile.index.ix) <= reach && std::abs(other.iy - tile.index.iy) <= reach) near.push_back(i);
   }
   return near;
 }
 
 Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
   KeyBuilder key("survey", kSurveyVersion);
-  add_options(key, work.options.survey).add(entry.content_sha256());
+  key.add(option_numbers(work.options.survey)).add(entry.content_sha256());
   RAYFIELD_ASSIGN(const tile::ArraySet arrays,
                   work.files.get("survey", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
                     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-                    RAYFIELD_ASSIGN(const TileSurvey survey, survey_tile(reader, entry.index, work.tile_size_m(),
-                                                                         work.options.survey, work.threads));
-                    return survey_to_arrays(survey);
+                    RAYFIELD_ASSIGN(const SurveyAccumulator sum,
+                                    accumulate_tile(reader, SurveyAccumulator(work.tile_of(entry), work.options.survey),
+                                                    work.threads, work.progress));
+                    return survey_to_arrays(sum.finish());
                   }));
   return survey_from_arrays(arrays);
 }
@@ -44,9 +52,9 @@ Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
 Result<GroundTile> ground_one(ScanWork& work, std::size_t tile, const std::vector<TileSurvey>& surveys) {
   const tile::TileIndex index = work.scan.tiles[tile].index;
   KeyBuilder key("ground", kGroundVersion);
-  add_options(key, work.options.ground);
+  key.add(option_numbers(work.options.ground));
   std::vector<const TileSurvey*> near;
-  for (const std::size_t i : tiles_near(work.scan, index, work.tile_size_m(), work.options.ground.halo_m)) {
+  for (const std::size_t i : tiles_near(work.scan, {index, work.tile_size_m()}, work.options.ground.halo_m)) {
     near.push_back(&surveys[i]);
     key.add(work.files.sha256("survey", tile_name(work.scan.tiles[i].index)));
   }
@@ -60,13 +68,6 @@ Result<GroundTile> ground_one(ScanWork& work, std::size_t tile, const std::vecto
 }
 
 }  // namespace
-
-Result<void> check_cancelled(const Progress& progress) {
-  if (progress.cancelled())
-    return fail(ErrorCode::interrupted, "interrupted", "", "finished files are kept",
-                "run the same command again to go on");
-  return {};
-}
 
 Result<SurveyedScan> survey_scan(ScanWork& work) {
   SurveyedScan result{{}, GroundModel(work.tile_size_m())};
@@ -97,9 +98,11 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-    RAYFIELD_ASSIGN(CanopyTile tile, canopy_of_tile(reader, entry.index, work.tile_size_m(), surveyed.ground,
-                                                    work.options.canopy, work.threads));
-    canopy.set(entry.index, std::move(tile));
+    RAYFIELD_ASSIGN(
+        const CanopyAccumulator sum,
+        accumulate_tile(reader, CanopyAccumulator(work.tile_of(entry), surveyed.ground, work.options.canopy),
+                        work.threads, work.progress));
+    canopy.set(entry.index, sum.finish());
     work.progress.advance(entry.start_count);
   }
   std::vector<const TileSurvey*> surveys;
@@ -121,8 +124,11 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-    RAYFIELD_ASSIGN(const std::vector<Stem> here, stems_of_tile(reader, entry.index, work.tile_size_m(), found.layout,
-                                                                surveyed.ground, work.options.posts, work.threads));
+    RAYFIELD_ASSIGN(
+        const StemAccumulator sum,
+        accumulate_tile(reader, StemAccumulator(work.tile_of(entry), found.layout, surveyed.ground, work.options.posts),
+                        work.threads, work.progress));
+    const std::vector<Stem> here = sum.finish();
     stems.insert(stems.end(), here.begin(), here.end());
     work.progress.advance(entry.start_count);
   }
@@ -133,7 +139,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
 
 Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground) {
   KeyBuilder key("profile", kProfileVersion);
-  add_options(key, work.options.stretches).add(work.layout_key);
+  key.add(option_numbers(work.options.segments)).add(work.layout_key);
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
@@ -142,9 +148,11 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
     for (const tile::TileEntry& entry : work.scan.tiles) {
       RAYFIELD_CHECK(check_cancelled(work.progress));
       RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-      RAYFIELD_ASSIGN(const CanopyProfile here, canopy_profile_of_tile(reader, entry.index, work.tile_size_m(), layout,
-                                                                       ground, work.options.stretches, work.threads));
-      add_profile(profile, here);
+      RAYFIELD_ASSIGN(
+          const CanopyProfileAccumulator sum,
+          accumulate_tile(reader, CanopyProfileAccumulator(work.tile_of(entry), layout, ground, work.options.segments),
+                          work.threads, work.progress));
+      add_profile(profile, sum.finish());
       work.progress.advance(entry.start_count);
     }
     return profile_to_arrays(profile);
@@ -153,19 +161,19 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
   return profile_from_arrays(arrays);
 }
 
-Result<StretchList> cut_stretches(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
-                                  const CanopyProfile& profile, double voxel_m) {
-  const StretchOptions options = with_voxel_size(work.options.stretches, voxel_m);
-  KeyBuilder key("stretches", kStretchesVersion);
-  add_options(key, options).add(work.layout_key).add(work.files.sha256("profile", "block"));
+Result<RowSegmentList> cut_row_segmentes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                         const CanopyProfile& profile, double voxel_m) {
+  const RowSegmentOptions options = with_voxel_size(work.options.segments, voxel_m);
+  KeyBuilder key("stretches", kRowSegmentsVersion);
+  key.add(option_numbers(options)).add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles) key.add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(const StretchList list, make_stretches(layout, ground, profile, options));
+    RAYFIELD_ASSIGN(const RowSegmentList list, make_row_segmentes(layout, ground, profile, options));
     for (const std::string& warning : list.warnings) work.progress.warn(warning);
-    return stretches_to_arrays(list);
+    return row_segments_to_arrays(list);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("stretches", "block", key.hex(), make));
-  return stretches_from_arrays(arrays);
+  return row_segments_from_arrays(arrays);
 }
 
 }  // namespace rayfield::density

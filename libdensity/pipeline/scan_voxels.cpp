@@ -1,17 +1,18 @@
+#include "libdensity/pipeline/scan_voxels.h"
+
 #include <fmt/core.h>
 
-#include "libdensity/pipeline/option_keys.h"
-#include "libdensity/pipeline/scan_stages.h"
-#include "libdensity/tiles/chunks.h"
-#include "rayfield/density/voxel_arrays.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/voxels/voxel_arrays.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 namespace {
 
 constexpr int kVoxelsVersion = 2;
 
-// Corners of a stretch's grid in plan, m.
-Eigen::AlignedBox2d bounds_of(const Stretch& s) {
+// Corners of a row segment's grid in plan, m.
+Eigen::AlignedBox2d bounds_of(const RowSegment& s) {
   Eigen::AlignedBox2d box;
   const Eigen::Vector2d left(-s.direction.y(), s.direction.x());
   for (const int along : {0, s.n_along})
@@ -21,7 +22,7 @@ Eigen::AlignedBox2d bounds_of(const Stretch& s) {
   return box;
 }
 
-void add_stretch(KeyBuilder& key, const Stretch& s) {
+void add_row_segment(KeyBuilder& key, const RowSegment& s) {
   key.add(std::vector<double>{static_cast<double>(s.row), static_cast<double>(s.index), s.origin.x(), s.origin.y(),
                               s.direction.x(), s.direction.y(), s.chainage_m, s.ground_m, s.slope_along, s.slope_across,
                               static_cast<double>(s.first_along), static_cast<double>(s.n_along),
@@ -36,54 +37,41 @@ void add_wood(KeyBuilder& key, const WoodCylinder& w) {
 
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const std::size_t chunks = reader.chunk_count();
-  const auto workers = static_cast<std::size_t>(std::max(1, std::min<int>(work.threads, static_cast<int>(chunks))));
-  std::vector<VoxelAccumulator> parts;
-  for (std::size_t w = 1; w < workers; ++w) parts.push_back(empty.fork());
-  parts.push_back(std::move(empty));
-  std::vector<tile::SegmentBatch> batches(workers);
-  RAYFIELD_CHECK(parallel_for(chunks, static_cast<int>(workers), [&](std::size_t chunk, int worker) -> Result<void> {
-    const auto w = static_cast<std::size_t>(worker);
-    RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_CHECK(reader.read_chunk(chunk, batches[w]));
-    return parts[w].add(batches[w]);
-  }));
-  for (std::size_t w = 1; w < parts.size(); ++w) RAYFIELD_CHECK(parts[0].merge(parts[w]));
-  return std::move(parts[0]).finish();
+  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), work.threads, work.progress));
+  return std::move(sum).finish();
 }
 
 }  // namespace
 
-TileScene scene_of(tile::TileIndex index, double tile_size_m, double margin_m, const StretchList& list,
+TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentList& list,
                    std::span<const WoodCylinder> wood) {
-  const Eigen::Vector2d low(index.ix * tile_size_m, index.iy * tile_size_m);
+  const Eigen::Vector2d low = tile.corner();
   Eigen::AlignedBox2d square(Eigen::Vector2d(low.array() - margin_m),
-                             Eigen::Vector2d(low.array() + tile_size_m + margin_m));
+                             Eigen::Vector2d(low.array() + tile.size_m + margin_m));
   TileScene scene;
-  for (const Stretch& stretch : list.stretches)
-    if (square.intersects(bounds_of(stretch))) scene.stretches.push_back(stretch);
+  for (const RowSegment& row_segment : list.row_segments)
+    if (square.intersects(bounds_of(row_segment))) scene.row_segments.push_back(row_segment);
   for (const WoodCylinder& cylinder : wood)
     if (square.exteriorDistance(Eigen::Vector2d(cylinder.base.head<2>())) < cylinder.length_m)
       scene.wood.push_back(cylinder);
   return scene;
 }
 
-Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const StretchList& stretches,
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const RowSegmentList& row_segments,
                                                   std::span<const WoodCylinder> wood) {
   std::vector<tile::TileIndex> with_voxels;
   work.progress.stage(fmt::format("{}: voxels", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    const TileScene scene =
-        scene_of(entry.index, work.tile_size_m(), work.store.config().tile_margin_m, stretches, wood);
+    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
     work.progress.advance(entry.start_count);
-    if (scene.stretches.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(entry.index, work.tile_size_m(), scene.stretches,
-                                                                     scene.wood, work.voxels));
+    if (scene.row_segments.empty()) continue;
+    RAYFIELD_ASSIGN(VoxelAccumulator empty,
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
-    add_options(key, work.voxels).add(entry.content_sha256());
-    for (const Stretch& stretch : scene.stretches) add_stretch(key, stretch);
+    key.add(option_numbers(work.voxels)).add(entry.content_sha256());
+    for (const RowSegment& row_segment : scene.row_segments) add_row_segment(key, row_segment);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
     RAYFIELD_CHECK(work.files.get("voxels", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
       RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));

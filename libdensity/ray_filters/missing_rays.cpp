@@ -25,13 +25,7 @@ Eigen::Vector3d turn_towards(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 
 }  // namespace
 
-Result<void> MissingRayOptions::validate() const {
-  if (!(lowest_elevation_rad >= -1.5 && lowest_elevation_rad <= 0) || longest_gap < 1 || longest_gap > 1000 ||
-      most_above < 0 || most_above > 1000)
-    return fail(ErrorCode::usage, "bad option for missing rays", "lowest_elevation_rad, longest_gap, most_above",
-                "must lie in -1.5…0, 1…1000 and 0…1000");
-  return {};
-}
+Result<void> MissingRayOptions::validate() const { return check_option_ranges(*this, "bad option for missing rays"); }
 
 Result<std::unique_ptr<MissingRaySource>> MissingRaySource::create(RaySource& source,
                                                                    const MissingRayOptions& options) {

@@ -1,15 +1,16 @@
+#include "libdensity/voxels/canopy_profile.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "libdensity/layout/row_locator.h"
-#include "rayfield/density/stretches.h"
 
 namespace rayfield::density {
 namespace {
 
 constexpr double kBin = 0.02;  // m
 
-double half_width(const RowLayout& layout, const StretchOptions& options) {
+double half_width(const RowLayout& layout, const RowSegmentOptions& options) {
   return layout.spacing_m > 0 ? std::min(0.5 * layout.spacing_m, 3.0) : options.lone_half_width_m;
 }
 
@@ -23,21 +24,18 @@ struct CanopyProfileAccumulator::Impl {
   double max_height_m;
 };
 
-CanopyProfileAccumulator::CanopyProfileAccumulator(tile::TileIndex index, double tile_size_m, const RowLayout& layout,
-                                                   const GroundModel& ground, const StretchOptions& options)
-    : impl_(new Impl{&layout,
-                     &ground,
-                     RowLocator(layout, index, tile_size_m, 0, half_width(layout, options)),
-                     {},
-                     options.max_height_m}) {
+CanopyProfileAccumulator::CanopyProfileAccumulator(const tile::TileRef& tile, const RowLayout& layout,
+                                                   const GroundModel& ground, const RowSegmentOptions& options)
+    : impl_(new Impl{
+          &layout, &ground, RowLocator(layout, tile, 0, half_width(layout, options)), {}, options.max_height_m}) {
   CanopyProfile& profile = impl_->profile;
   profile.bin_m = kBin;
   profile.half_width_m = half_width(layout, options);
   profile.up_min_m = options.up_min_m;
   const std::size_t n_across = static_cast<std::size_t>(std::ceil(2 * profile.half_width_m / kBin));
   const std::size_t n_up = static_cast<std::size_t>(std::ceil((options.max_height_m - options.up_min_m) / kBin));
-  for (const auto& reach : impl_->locator.reaches()) {
-    const int number = layout.rows[static_cast<std::size_t>(reach.row)].number;
+  for (const auto& interval : impl_->locator.intervals()) {
+    const int number = layout.rows[interval.row].number;
     profile.across[number].assign(n_across, 0);
     profile.up[number].assign(n_up, 0);
   }
@@ -61,7 +59,7 @@ void CanopyProfileAccumulator::add(const tile::SegmentBatch& segments) {
     if (!ground) continue;
     const double up = p.z() - *ground;
     if (up < profile.up_min_m || up >= impl_->max_height_m) continue;
-    const int number = impl_->layout->rows[static_cast<std::size_t>(place->row)].number;
+    const int number = impl_->layout->rows[place->row].number;
     auto& across = profile.across[number];
     auto& ups = profile.up[number];
     const std::size_t a =

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "libdensity/voxels/canopy_profile.h"
 #include "rayfield/core/result.h"
-#include "rayfield/density/stretches.h"
 #include "rayfield/tile/arrays.h"
 
 namespace rayfield::density {

@@ -1,4 +1,4 @@
-#include "rayfield/density/leaf_angle.h"
+#include "libdensity/voxels/leaf_angle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,18 +9,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kQuadraturePoints = 2000;  // midpoint rule; G is continuous with bounded slope in the inclination
-
-struct Named {
-  LeafAngleType type;
-  std::string_view name;
-};
-constexpr std::array<Named, 7> kNames = {{{LeafAngleType::spherical, "spherical"},
-                                          {LeafAngleType::uniform, "uniform"},
-                                          {LeafAngleType::planophile, "planophile"},
-                                          {LeafAngleType::erectophile, "erectophile"},
-                                          {LeafAngleType::plagiophile, "plagiophile"},
-                                          {LeafAngleType::extremophile, "extremophile"},
-                                          {LeafAngleType::ellipsoidal, "ellipsoidal"}}};
 
 /// Campbell (1986), without its normalising constant.
 double ellipsoid_shape(double ratio, double inclination_rad) {
@@ -47,25 +35,6 @@ double azimuth_mean_projection(double zenith_rad, double inclination_rad) {
 }
 
 }  // namespace
-
-Result<void> LeafAngles::validate() const {
-  if (!(ellipsoid_ratio >= 0.05 && ellipsoid_ratio <= 20))
-    return fail(ErrorCode::usage, "bad leaf angle option", "ellipsoid_ratio", "must lie in 0.05…20", "1 is spherical");
-  return {};
-}
-
-Result<LeafAngleType> parse_leaf_angle_type(std::string_view name) {
-  for (const Named& named : kNames)
-    if (named.name == name) return named.type;
-  return fail(ErrorCode::usage, "unknown leaf angle distribution", name, "not one of the known names",
-              "use spherical, uniform, planophile, erectophile, plagiophile, extremophile or ellipsoidal");
-}
-
-std::string_view leaf_angle_name(LeafAngleType type) {
-  for (const Named& named : kNames)
-    if (named.type == type) return named.name;
-  return "spherical";
-}
 
 double leaf_inclination_density(const LeafAngles& angles, double inclination_rad) {
   switch (angles.type) {
@@ -104,8 +73,7 @@ double leaf_projection(const LeafAngles& angles, double cos_zenith) {
 }
 
 LeafProjectionTable::LeafProjectionTable(const LeafAngles& angles) {
-  for (int i = 0; i <= kCells; ++i)
-    values_[static_cast<std::size_t>(i)] = leaf_projection(angles, static_cast<double>(i) / kCells);
+  for (int i = 0; i <= kCells; ++i) values_[i] = leaf_projection(angles, static_cast<double>(i) / kCells);
 }
 
 }  // namespace rayfield::density

@@ -4,13 +4,13 @@
 
 namespace rayfield::density {
 
-TileGround TileGround::of(std::span<const Stretch> stretches) {
+TileGround TileGround::of(std::span<const RowSegment> row_segments) {
   // Two metres to either side bring in the slope across the row where the tile holds one row only.
   constexpr double kAside = 2.0;
   TileGround out;
-  if (stretches.empty()) return out;
+  if (row_segments.empty()) return out;
   std::vector<Eigen::Vector3d> points;
-  for (const Stretch& s : stretches) {
+  for (const RowSegment& s : row_segments) {
     const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
     for (const double along : {0.0, s.n_along * s.voxel_m})
       for (const double across : {-kAside, kAside}) {

@@ -4,16 +4,16 @@
 #include <span>
 #include <vector>
 
-#include "rayfield/density/row_layout.h"
+#include "libdensity/layout/row_layout.h"
 
 namespace rayfield::density {
 
-/// The ground of a tile as one plane: least squares through the ground under the stretches.
+/// The ground of a tile as one plane: least squares through the ground under the row segments.
 struct TileGround {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< per metre east and north
 
-  static TileGround of(std::span<const Stretch> stretches);
+  static TileGround of(std::span<const RowSegment> row_segments);
 
   /// Whether a ray that goes on from p in the unit direction d is sure to come back: it goes up (and is kept without a
   /// return) or meets the ground within `reach_m`, even if that falls away by `margin` more than the plane.

@@ -1,4 +1,4 @@
-#include "rayfield/density/voxel_arrays.h"
+#include "libdensity/voxels/voxel_arrays.h"
 
 #include <array>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kKind = "voxels";
 constexpr int kVersion = 2;
-constexpr std::size_t kReals = 11, kInts = 6;  // per stretch
+constexpr std::size_t kReals = 11, kInts = 6;  // per row segment
 constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 28;
 
 template <class T>
@@ -21,7 +21,7 @@ tl::unexpected<Error> damaged(const std::string& why) {
   return fail(ErrorCode::damaged, "cannot read counted voxels", kKind, why, "run `rayfield verify`");
 }
 
-void push_stretch(const Stretch& s, std::vector<double>& reals, std::vector<std::int32_t>& ints) {
+void push_row_segment(const RowSegment& s, std::vector<double>& reals, std::vector<std::int32_t>& ints) {
   for (const double x : {s.origin.x(), s.origin.y(), s.direction.x(), s.direction.y(), s.chainage_m, s.ground_m,
                          s.slope_along, s.slope_across, s.voxel_m})
     reals.push_back(x);
@@ -29,8 +29,8 @@ void push_stretch(const Stretch& s, std::vector<double>& reals, std::vector<std:
   for (const int x : {s.row, s.index, s.first_along, s.n_along, s.n_across, s.n_up}) ints.push_back(x);
 }
 
-Result<Stretch> pull_stretch(std::span<const double> reals, std::span<const std::int32_t> ints) {
-  Stretch s;
+Result<RowSegment> pull_row_segment(std::span<const double> reals, std::span<const std::int32_t> ints) {
+  RowSegment s;
   s.origin = {reals[0], reals[1]}, s.direction = {reals[2], reals[3]};
   s.chainage_m = reals[4], s.ground_m = reals[5], s.slope_along = reals[6], s.slope_across = reals[7],
   s.voxel_m = reals[8];
@@ -38,11 +38,11 @@ Result<Stretch> pull_stretch(std::span<const double> reals, std::span<const std:
   s.row = ints[0], s.index = ints[1], s.first_along = ints[2], s.n_along = ints[3], s.n_across = ints[4],
   s.n_up = ints[5];
   for (const double x : reals)
-    if (!std::isfinite(x)) return damaged("a stretch has numbers that are not finite");
+    if (!std::isfinite(x)) return damaged("a row segment has numbers that are not finite");
   if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || std::int64_t{s.n_along} * s.n_across > kMaxVoxels ||
       std::int64_t{s.n_along} * s.n_across * s.n_up > kMaxVoxels || !(s.voxel_m > 0) ||
       !(std::abs(s.direction.norm() - 1) < 1e-6))
-    return damaged("a stretch has impossible dimensions");
+    return damaged("a row segment has impossible dimensions");
   return s;
 }
 
@@ -72,9 +72,9 @@ Result<Cursor> open(const tile::ArraySet& a) {
   return c;
 }
 
-Result<void> pull_voxels(Cursor& c, StretchVoxels& out) {
-  const Stretch& s = out.stretch;
-  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
+Result<void> pull_voxels(Cursor& c, RowSegmentVoxels& out) {
+  const RowSegment& s = out.row_segment;
+  const std::size_t columns = s.shape().columns();
   if (c.column.size() - c.at_column < columns) return damaged("the table of columns is too short");
   out.column.assign(c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column),
                     c.column.begin() + static_cast<std::ptrdiff_t>(c.at_column + columns));
@@ -102,7 +102,7 @@ Result<void> pull_voxels(Cursor& c, StretchVoxels& out) {
   return {};
 }
 
-std::vector<std::uint64_t> pair_counts(const ElementPairs& p) {
+std::vector<std::uint64_t> pair_counts(const LeafSizePairs& p) {
   std::vector<std::uint64_t> out;
   for (const auto& counts : {p.near, p.front, p.same, p.behind}) out.insert(out.end(), counts.begin(), counts.end());
   return out;
@@ -123,8 +123,8 @@ tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
        &hits = column<std::uint32_t>(out, "hits");
   auto &path = column<std::int64_t>(out, "path"), &potential = column<std::int64_t>(out, "potential");
   auto& hit_path = column<std::int64_t>(out, "hit_path");
-  for (const StretchVoxels& s : voxels.stretches) {
-    push_stretch(s.stretch, reals, ints);
+  for (const RowSegmentVoxels& s : voxels.row_segments) {
+    push_row_segment(s.row_segment, reals, ints);
     columns.insert(columns.end(), s.column.begin(), s.column.end());
     entries.insert(entries.end(), s.entries.begin(), s.entries.end());
     for (const VoxelCounters& v : s.voxels) {
@@ -143,7 +143,7 @@ Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto pairs, arrays.column<std::int64_t>("pairs"));
   RAYFIELD_ASSIGN(const auto reals, arrays.column<double>("stretch_reals"));
   RAYFIELD_ASSIGN(const auto ints, arrays.column<std::int32_t>("stretch_ints"));
-  constexpr std::size_t real_count = kReals, bins = ElementPairs::kBins;
+  constexpr std::size_t real_count = kReals, bins = LeafSizePairs::kBins;
   const std::size_t count = ints.size() / kInts;
   if (tile.size() != 2 || pairs.size() != 4 * bins || ints.size() != count * kInts ||
       reals.size() != count * real_count)
@@ -159,14 +159,15 @@ Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
     }
   RAYFIELD_ASSIGN(Cursor cursor, open(arrays));
   for (std::size_t i = 0; i < count; ++i) {
-    StretchVoxels s;
-    RAYFIELD_ASSIGN(s.stretch, pull_stretch(reals.subspan(i * real_count, real_count), ints.subspan(i * kInts, kInts)));
+    RowSegmentVoxels s;
+    RAYFIELD_ASSIGN(s.row_segment,
+                    pull_row_segment(reals.subspan(i * real_count, real_count), ints.subspan(i * kInts, kInts)));
     RAYFIELD_CHECK(pull_voxels(cursor, s));
-    out.stretches.push_back(std::move(s));
+    out.row_segments.push_back(std::move(s));
   }
   if (cursor.at_column != cursor.column.size() || cursor.at_entry != cursor.entries.size() ||
       cursor.at_voxel != cursor.rays.size())
-    return damaged("there are more voxels than stretches have");
+    return damaged("there are more voxels than row segments have");
   return out;
 }
 

@@ -1,4 +1,4 @@
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -57,22 +57,11 @@ struct Gaps {
   }
 };
 
-bool same_grid(const Stretch& a, const Stretch& b) {
-  return a.row == b.row && a.index == b.index && a.n_along == b.n_along && a.n_across == b.n_across && a.n_up == b.n_up;
+bool same_grid(const RowSegment& a, const RowSegment& b) {
+  return a.row == b.row && a.index == b.index && a.shape() == b.shape();
 }
 
 }  // namespace
-
-Result<void> VoxelOptions::validate() const {
-  RAYFIELD_CHECK(leaf_angles.validate());
-  if (!(wood_shell_m >= 0 && wood_shell_m <= 0.2))
-    return fail(ErrorCode::usage, "bad voxel option", "wood_shell_m", "must lie in 0…0.2 m",
-                "three times the range noise");
-  if (!(sure_return_m >= 0 && sure_return_m <= 200 && slope_margin >= 0 && slope_margin <= 0.5))
-    return fail(ErrorCode::usage, "bad voxel option", "sure_return_m, slope_margin", "must lie in 0…200 m and 0…0.5",
-                "about half the lidar's range");
-  return {};
-}
 
 VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   rays += other.rays, hits += other.hits;
@@ -81,15 +70,14 @@ VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   return *this;
 }
 
-std::span<const VoxelCounters> StretchVoxels::column_voxels(int along, int across) const {
-  const std::int32_t c = column[static_cast<std::size_t>(along) * static_cast<std::size_t>(stretch.n_across) +
-                                static_cast<std::size_t>(across)];
+std::span<const VoxelCounters> RowSegmentVoxels::column_voxels(int along, int across) const {
+  const std::int32_t c = column[row_segment.shape().column(along, across)];
   if (c < 0) return {};
-  const auto n = static_cast<std::size_t>(stretch.n_up);
+  const auto n = static_cast<std::size_t>(row_segment.n_up);
   return std::span(voxels).subspan(static_cast<std::size_t>(c) * n, n);
 }
 
-Eigen::Vector2d column_center(const Stretch& s, int along, int across) {
+Eigen::Vector2d column_center(const RowSegment& s, int along, int across) {
   const double a = (along + 0.5) * s.voxel_m, c = s.across_min_m + (across + 0.5) * s.voxel_m;
   return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
 }
@@ -99,7 +87,7 @@ struct VoxelAccumulator::Geometry {
   LeafProjectionTable projection{LeafAngles{}};
   tile::TileIndex tile;
   std::vector<GridFrame> frames;
-  std::vector<StretchVoxels> empty;
+  std::vector<RowSegmentVoxels> empty;
   std::vector<WoodCylinder> wood;
   VoxelIndex index;
   TileGround ground;
@@ -111,18 +99,17 @@ struct VoxelAccumulator::Geometry {
 
 namespace {
 
-/// Numbers the columns of a stretch that belong to the tile; counters all zero.
-StretchVoxels allocate(const Stretch& s, const tile::TileIndex& tile, double tile_size_m) {
-  StretchVoxels out;
-  out.stretch = s;
-  const auto columns = static_cast<std::size_t>(s.n_along) * static_cast<std::size_t>(s.n_across);
-  out.column.assign(columns, -1);
+/// Numbers the columns of a row segment that belong to the tile; counters all zero.
+RowSegmentVoxels allocate(const RowSegment& s, const tile::TileRef& tile) {
+  RowSegmentVoxels out;
+  out.row_segment = s;
+  out.column.assign(s.shape().columns(), -1);
   std::int32_t next = 0;
   std::size_t i = 0;
   for (int a = 0; a < s.n_along; ++a) {
     for (int c = 0; c < s.n_across; ++c, ++i) {
-      const Eigen::Vector2d p = column_center(s, a, c) / tile_size_m;
-      if (std::floor(p.x()) == tile.ix && std::floor(p.y()) == tile.iy) out.column[i] = next++;
+      const Eigen::Vector2d p = column_center(s, a, c) / tile.size_m;
+      if (std::floor(p.x()) == tile.index.ix && std::floor(p.y()) == tile.index.iy) out.column[i] = next++;
     }
   }
   out.entries.assign(static_cast<std::size_t>(next), 0);
@@ -134,22 +121,18 @@ StretchVoxels allocate(const Stretch& s, const tile::TileIndex& tile, double til
 
 VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry)
     : geometry_(std::move(geometry)), sums_(geometry_->empty) {}
-VoxelAccumulator::VoxelAccumulator(VoxelAccumulator&&) noexcept = default;
-VoxelAccumulator& VoxelAccumulator::operator=(VoxelAccumulator&&) noexcept = default;
-VoxelAccumulator::~VoxelAccumulator() = default;
 
-Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double tile_size_m,
-                                                  std::span<const Stretch> stretches,
+Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std::span<const RowSegment> row_segments,
                                                   std::span<const WoodCylinder> wood, const VoxelOptions& options) {
   RAYFIELD_CHECK(options.validate());
   auto geometry = std::make_shared<Geometry>();
   geometry->options = options;
   geometry->projection = LeafProjectionTable(options.leaf_angles);
-  geometry->tile = tile;
-  std::vector<Stretch> kept;
+  geometry->tile = tile.index;
+  std::vector<RowSegment> kept;
   double voxel_m = 0;
-  for (const Stretch& s : stretches) {
-    const std::string where = "row " + std::to_string(s.row) + ", stretch " + std::to_string(s.index);
+  for (const RowSegment& s : row_segments) {
+    const std::string where = "row " + std::to_string(s.row) + ", row segment " + std::to_string(s.index);
     const std::int64_t columns = std::int64_t{s.n_along} * s.n_across;
     if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || columns * s.n_up > std::int64_t{1} << 28)
       return fail(ErrorCode::usage, "cannot lay out voxels", where, "no voxels, or more than 2^28",
@@ -157,7 +140,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
     if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))
       return fail(ErrorCode::usage, "cannot lay out voxels", where,
                   "voxel size not positive or direction not a unit vector");
-    StretchVoxels voxels = allocate(s, tile, tile_size_m);
+    RowSegmentVoxels voxels = allocate(s, tile);
     if (voxels.entries.empty()) continue;
     kept.push_back(s);
     geometry->frames.emplace_back(s);
@@ -165,9 +148,9 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
     voxel_m = std::max(voxel_m, s.voxel_m);
   }
   // Columns reach over the tile's border by at most half a voxel diagonal.
-  const Eigen::Vector2d corner(tile.ix * tile_size_m, tile.iy * tile_size_m);
+  const Eigen::Vector2d corner = tile.corner();
   Eigen::AlignedBox2d bounds(Eigen::Vector2d(corner.array() - voxel_m),
-                             Eigen::Vector2d(corner.array() + tile_size_m + voxel_m));
+                             Eigen::Vector2d(corner.array() + tile.size_m + voxel_m));
   for (const WoodCylinder& w : wood)
     if (bounds.exteriorDistance(Eigen::Vector2d(w.base.head<2>())) < w.length_m + 1) geometry->wood.push_back(w);
   geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
@@ -175,16 +158,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(tile::TileIndex tile, double t
   return VoxelAccumulator(geometry);
 }
 
-VoxelAccumulator VoxelAccumulator::fork() const { return VoxelAccumulator(geometry_); }
-
 bool VoxelAccumulator::empty() const { return sums_.empty(); }
-
-std::size_t VoxelAccumulator::memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const StretchVoxels& s : sums_)
-    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.entries.size() * 4 + s.column.size() * 4;
-  return bytes;
-}
 
 template <class Meet>
 void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
@@ -248,11 +222,10 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
                                       gap.from <= ray.length && ray.length <= gap.to);
         continue;
       }
-      const Stretch& s = sums_[item].stretch;
+      const RowSegment& s = sums_[item].row_segment;
       const Eigen::Array3d at = g.frames[item].grid_from_map(end).array().floor();
       if ((at < 0).any() || (at >= Eigen::Array3d(s.n_along, s.n_across, s.n_up)).any()) continue;
-      const auto column =
-          static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(s.n_across) + static_cast<std::size_t>(at.y());
+      const std::size_t column = s.shape().column(static_cast<int>(at.x()), static_cast<int>(at.y()));
       out.hit = out.hit || sums_[item].column[column] >= 0;
     }
   out.hit = out.hit && !out.on_wood;
@@ -261,21 +234,21 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
 
 VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<std::uint64_t>& mask) {
   const Geometry& g = *geometry_;
-  const auto stretch_bits = sums_.size();
+  const auto segment_bits = sums_.size();
   Gaps gaps;
   std::array<Piece, kMaxGaps + 1> pieces;
   std::size_t piece_count = 1;
   pieces[0] = {0, ray.length};
   Counted counted;
   const double doubled_projection = 2 * g.projection(ray.direction.z());
-  for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the stretches
+  for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the row segments
     for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0;) {
       const auto top = static_cast<std::size_t>(63 - std::countl_zero(bits));
       bits &= ~(std::uint64_t{1} << top);
       const std::size_t item = w * 64 + top;
-      if (item >= stretch_bits) {
+      if (item >= segment_bits) {
         Piece gap{};
-        if (!shell_interval(g.wood[item - stretch_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
+        if (!shell_interval(g.wood[item - segment_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
                             gap.to) ||
             gap.to <= 0 || gap.from >= ray.length)
           continue;
@@ -303,13 +276,14 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
 Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
   segments_ += other.segments_;
   if (segments_ > std::numeric_limits<std::uint32_t>::max() || sums_.size() != other.sums_.size())
-    return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "too many segments or different stretches");
+    return fail(ErrorCode::internal, "cannot merge voxel counts", "tile",
+                "too many segments or different row segments");
   pairs_ += other.pairs_;
   for (std::size_t s = 0; s < sums_.size(); ++s) {
-    StretchVoxels& mine = sums_[s];
-    const StretchVoxels& theirs = other.sums_[s];
-    if (!same_grid(mine.stretch, theirs.stretch) || mine.voxels.size() != theirs.voxels.size())
-      return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different stretches");
+    RowSegmentVoxels& mine = sums_[s];
+    const RowSegmentVoxels& theirs = other.sums_[s];
+    if (!same_grid(mine.row_segment, theirs.row_segment) || mine.voxels.size() != theirs.voxels.size())
+      return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different row segments");
     for (std::size_t i = 0; i < mine.voxels.size(); ++i) mine.voxels[i] += theirs.voxels[i];
     for (std::size_t i = 0; i < mine.entries.size(); ++i) mine.entries[i] += theirs.entries[i];
   }

@@ -1,4 +1,5 @@
 #include "libdensity/voxels/voxel_index.h"
+#include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +12,13 @@ namespace {
 constexpr double kCell = 1.0;
 constexpr double kFar = 1e30;
 
-Eigen::Vector3d row_frame(const Stretch& s, const Eigen::Vector3d& g) {
+Eigen::Vector3d row_frame(const RowSegment& s, const Eigen::Vector3d& g) {
   return {g.x() * s.voxel_m, g.y() * s.voxel_m + s.across_min_m, g.z() * s.voxel_m + s.up_min_m};
 }
 
 }  // namespace
 
-GridFrame::GridFrame(const Stretch& s) {
+GridFrame::GridFrame(const RowSegment& s) {
   const Eigen::RowVector3d along(s.direction.x(), s.direction.y(), 0), across(-s.direction.y(), s.direction.x(), 0);
   linear.row(0) = along / s.voxel_m;
   linear.row(1) = across / s.voxel_m;
@@ -26,10 +27,10 @@ GridFrame::GridFrame(const Stretch& s) {
   offset = {0, -s.across_min_m / s.voxel_m, -s.up_min_m / s.voxel_m};
 }
 
-VoxelIndex::VoxelIndex(std::span<const Stretch> stretches, std::span<const WoodCylinder> wood, double shell_m,
+VoxelIndex::VoxelIndex(std::span<const RowSegment> row_segments, std::span<const WoodCylinder> wood, double shell_m,
                        const Eigen::AlignedBox2d& bounds) {
   Eigen::AlignedBox2d box;
-  for (const Stretch& s : stretches) {
+  for (const RowSegment& s : row_segments) {
     const GridFrame frame(s);
     for (int corner = 0; corner < 4; ++corner) {
       const Eigen::Vector3d g((corner & 1) ? s.n_along : 0, (corner & 2) ? s.n_across : 0, 0);
@@ -37,17 +38,17 @@ VoxelIndex::VoxelIndex(std::span<const Stretch> stretches, std::span<const WoodC
     }
   }
   box = box.intersection(bounds);
-  if (box.isEmpty() || stretches.empty()) return;
+  if (box.isEmpty() || row_segments.empty()) return;
   origin_ = box.min() - Eigen::Vector2d::Constant(1e-6);
-  nx_ = static_cast<int>(std::ceil((box.sizes().x() + 2e-6) / kCell));
-  ny_ = static_cast<int>(std::ceil((box.sizes().y() + 2e-6) / kCell));
-  words_ = static_cast<int>((stretches.size() + wood.size() + 63) / 64);
+  nx_ = ceil_int((box.sizes().x() + 2e-6) / kCell);
+  ny_ = ceil_int((box.sizes().y() + 2e-6) / kCell);
+  words_ = static_cast<int>((row_segments.size() + wood.size() + 63) / 64);
   const std::size_t count = static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_);
   cells_.assign(count, {kFar, -kFar});
   masks_.assign(count * static_cast<std::size_t>(words_), 0);
   low_ = kFar, high_ = -kFar;
   int bit = 0;
-  for (const Stretch& s : stretches) cover_stretch(s, bit++);
+  for (const RowSegment& s : row_segments) cover_row_segment(s, bit++);
   for (const WoodCylinder& w : wood) cover_cylinder(w, shell_m, bit++);
 }
 
@@ -59,7 +60,7 @@ void VoxelIndex::cover_cell(int ix, int iy, int bit, double low, double high) {
   low_ = std::min(low_, low), high_ = std::max(high_, high);
 }
 
-void VoxelIndex::cover_stretch(const Stretch& s, int bit) {
+void VoxelIndex::cover_row_segment(const RowSegment& s, int bit) {
   const Eigen::Vector2d u = s.direction, v(-u.y(), u.x());
   const double half_diagonal = kCell * std::sqrt(0.5);
   const double slack_z = half_diagonal * std::hypot(s.slope_along, s.slope_across) + 1e-6;
@@ -86,7 +87,7 @@ void VoxelIndex::cover_cylinder(const WoodCylinder& wood, double shell_m, int bi
   if (hi.x() < 0 || hi.y() < 0 || lo.x() >= nx_ || lo.y() >= ny_) return;
   for (int iy = std::max(0, static_cast<int>(lo.y())); iy <= std::min(ny_ - 1, static_cast<int>(hi.y())); ++iy)
     for (int ix = std::max(0, static_cast<int>(lo.x())); ix <= std::min(nx_ - 1, static_cast<int>(hi.x())); ++ix)
-      cover_cell(ix, iy, bit, kFar, -kFar);  // wood matters only where a stretch already claims the heights
+      cover_cell(ix, iy, bit, kFar, -kFar);  // wood matters only where a row segment already claims the heights
 }
 
 bool VoxelIndex::candidates(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double length,
@@ -112,7 +113,7 @@ bool VoxelIndex::candidates(const Eigen::Vector3d& p, const Eigen::Vector3d& d, 
   double next_y = d.y() != 0 ? t0 + (d.y() > 0 ? iy + 1 - gy : gy - iy) * step_y : never;
   bool any = false;
   double t = t0;
-  // Cells are closed for rays that run along their borders: stretches and wood were entered with some slack.
+  // Cells are closed for rays that run along their borders: row segments and wood were entered with some slack.
   for (;;) {
     const double next = std::min({next_x, next_y, t1});
     const std::size_t cell = at(ix, iy);

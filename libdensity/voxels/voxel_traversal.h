@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/tiles/rounding.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 
@@ -24,9 +25,11 @@ inline std::int64_t fixed(double u) { return std::llrint(u * (1.0 / VoxelCounter
 /// Adds a piece of the ray g0 + t·dg (voxel coordinates, t in metres) to every voxel that it crosses (Amanatides & Woo
 /// 1987, in the sheared frame; t stays true metres). Every hit inside the grid is counted in exactly one voxel: the
 /// one in which the piece ends; returns whether that voxel is one of this tile's.
-inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg, const RayPiece& piece) {
-  const Stretch& s = sums.stretch;
-  const int n[3] = {s.n_along, s.n_across, s.n_up};
+inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                     const RayPiece& piece) {
+  const RowSegment& s = sums.row_segment;
+  const Shape3 shape = s.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
   double t0 = piece.from, t1 = piece.to;
   int face = -1;  // axis of the face through which the ray comes in
   for (int k = 0; k < 3; ++k) {
@@ -47,7 +50,7 @@ inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen
   double next[3], delta[3];
   for (int k = 0; k < 3; ++k) {
     const double g = g0[k] + t0 * dg[k];
-    i[k] = std::clamp(static_cast<int>(std::floor(g)), 0, n[k] - 1);
+    i[k] = std::clamp(floor_int(g), 0, n[k] - 1);
     if (k == face) i[k] = dg[k] > 0 ? 0 : n[k] - 1;
     step[k] = dg[k] >= 0 ? 1 : -1;
     delta[k] = dg[k] != 0 ? 1 / std::abs(dg[k]) : never;
@@ -63,8 +66,7 @@ inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen
     const double t_exit = std::min(next[axis], t1);
     const bool last = !(next[axis] < t1);
     const bool hit_here = last && hit_inside;
-    const std::int32_t column =
-        sums.column[static_cast<std::size_t>(i[0]) * static_cast<std::size_t>(n[1]) + static_cast<std::size_t>(i[1])];
+    const std::int32_t column = sums.column[shape.column(i[0], i[1])];
     if (column >= 0 && (t_exit > t || hit_here)) {
       VoxelCounters& v = sums.voxels[static_cast<std::size_t>(column) * n_up + static_cast<std::size_t>(i[2])];
       const double x = std::max(0.0, t_exit - t) * to_voxels;
@@ -78,7 +80,7 @@ inline bool traverse(StretchVoxels& sums, const Eigen::Vector3d& g0, const Eigen
         v.hit_path += u;
         v.potential += std::max(u, fixed((next[axis] - t) * to_voxels * piece.doubled_projection));
       }
-      if (at_entry) ++sums.entries[static_cast<std::size_t>(column)];
+      if (at_entry) ++sums.entries[column];
     }
     at_entry = false;
     if (last) return hit_here && column >= 0;

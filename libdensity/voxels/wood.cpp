@@ -1,4 +1,4 @@
-#include "rayfield/density/wood.h"
+#include "libdensity/voxels/wood.h"
 
 #include <algorithm>
 #include <cmath>

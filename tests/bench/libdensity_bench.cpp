@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "rayfield/density/row_density.h"
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/estimate/row_density.h"
+#include "libdensity/voxels/voxel_grid.h"
 #include "tests/libdensity/hedge_scene.h"
 
 namespace {
@@ -26,13 +26,13 @@ const World& world() {
 void count_rays(benchmark::State& state) {
   const double voxel_m = static_cast<double>(state.range(0)) / 100;
   auto accumulator =
-      density::VoxelAccumulator::create({0, -1}, 1000, world().hedge.stretches(voxel_m, 0.6, 2.2), {}, {});
+      density::VoxelAccumulator::create({{0, -1}, 1000}, world().hedge.row_segments(voxel_m, 0.6, 2.2), {}, {});
   if (!accumulator) {
     state.SkipWithError("no voxels");
     return;
   }
   for (auto _ : state) {
-    auto fresh = accumulator->fork();
+    auto fresh = *accumulator;
     benchmark::DoNotOptimize(fresh.add(world().rays));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) *
@@ -42,8 +42,8 @@ BENCHMARK(count_rays)->Arg(6)->Arg(8)->Arg(12)->Arg(24)->Unit(benchmark::kMillis
 
 void estimate(benchmark::State& state) {
   const double voxel_m = 0.08;
-  const auto stretches = world().hedge.stretches(voxel_m, 0.6, 2.2);
-  auto accumulator = density::VoxelAccumulator::create({0, -1}, 1000, stretches, {}, {});
+  const auto row_segments = world().hedge.row_segments(voxel_m, 0.6, 2.2);
+  auto accumulator = density::VoxelAccumulator::create({{0, -1}, 1000}, row_segments, {}, {});
   if (!accumulator || !accumulator->add(world().rays)) {
     state.SkipWithError("no voxels");
     return;
@@ -51,7 +51,7 @@ void estimate(benchmark::State& state) {
   const density::TileVoxels voxels = std::move(*accumulator).finish();
   std::int64_t count = 0;
   for (auto _ : state) {
-    auto builder = density::RowDensityBuilder::create(stretches.front().row, stretches, {}, voxels.pairs, {});
+    auto builder = density::RowDensityBuilder::create(row_segments.front().row, row_segments, {}, voxels.pairs, {});
     if (!builder || !builder->add(voxels)) state.SkipWithError("no row");
     count = static_cast<std::int64_t>(std::move(*builder).finish().density.size());
   }

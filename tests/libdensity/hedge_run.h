@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "rayfield/density/integrate.h"
-#include "rayfield/density/row_density.h"
+#include "libdensity/estimate/integrate.h"
+#include "libdensity/estimate/row_density.h"
 #include "tests/libdensity/hedge_scene.h"
 
 /// A hedge through counting, estimating and integrating.
@@ -15,20 +15,20 @@ namespace rayfield::density::testing {
 inline RowDensity density_of(const Hedge& hedge, const tile::SegmentBatch& rays, double voxel_m,
                              const EstimatorOptions& options) {
   const bool wide = hedge.options().sigma_across_m > 0.25;
-  const auto stretches = hedge.stretches(voxel_m, wide ? 1.2 : 0.72, 2.5);
+  const auto row_segments = hedge.row_segments(voxel_m, wide ? 1.2 : 0.72, 2.5);
   const auto wood = hedge.posts();
   std::vector<TileVoxels> tiles;
-  ElementPairs pairs;
+  LeafSizePairs pairs;
   VoxelOptions count_all;
   count_all.sure_return_m = 0;  // no ray of these scans is missing
   for (int iy = -1; iy <= 0; ++iy)
     for (int ix = -1; ix <= 0; ++ix) {
-      auto accumulator = VoxelAccumulator::create({ix, iy}, 1000, stretches, wood, count_all);
+      auto accumulator = VoxelAccumulator::create({{ix, iy}, 1000}, row_segments, wood, count_all);
       EXPECT_TRUE(accumulator.has_value() && accumulator->add(rays).has_value());
       tiles.push_back(std::move(*accumulator).finish());
       pairs += tiles.back().pairs;
     }
-  auto builder = RowDensityBuilder::create(1, stretches, wood, pairs, options);
+  auto builder = RowDensityBuilder::create(1, row_segments, wood, pairs, options);
   EXPECT_TRUE(builder.has_value());
   for (const TileVoxels& t : tiles) EXPECT_TRUE(builder->add(t).has_value());
   return std::move(*builder).finish();

@@ -25,7 +25,7 @@ Hedge::Hedge(const HedgeOptions& options) : options_(options) {
   std::mt19937_64 rng(options.seed);
   std::uniform_real_distribution<double> uniform;
   std::normal_distribution<double> normal;
-  const auto target = static_cast<std::size_t>(options.leaf_area_per_m * options.length_m / options.leaf_area_m2);
+  const auto target = static_cast<std::size_t>(options.leaf_area_per_m * options.length_m / options.leaf_size_m2);
   const auto accept = [&](double x) {
     if (x > options.missing_from_m && x < options.missing_to_m) return false;
     return uniform(rng) < (1 + options.variation * std::sin(2 * kPi * x / 4.5)) / (1 + options.variation);
@@ -53,7 +53,7 @@ Hedge::Hedge(const HedgeOptions& options) : options_(options) {
 void Hedge::add_leaf(const Vector3d& center, std::mt19937_64& rng) {
   const Vector3d normal = random_direction(rng);
   const Vector3d u = normal.cross(random_direction(rng)).normalized();
-  const double half = std::sqrt(options_.leaf_area_m2) / 2;
+  const double half = std::sqrt(options_.leaf_size_m2) / 2;
   const Vector3d on_slope = center + Vector3d(0, 0, ground(center.x(), center.y()));
   leaves_.push_back({on_slope, half * u, half * normal.cross(u)});
 }
@@ -103,7 +103,7 @@ void Hedge::build_grid() {
 double Hedge::leaf_area(double from_m, double to_m) const {
   double sum = 0;
   for (const Leaf& leaf : leaves_)
-    if (leaf.center.x() >= from_m && leaf.center.x() < to_m) sum += options_.leaf_area_m2;
+    if (leaf.center.x() >= from_m && leaf.center.x() < to_m) sum += options_.leaf_size_m2;
   return sum;
 }
 
@@ -197,14 +197,14 @@ tile::SegmentBatch Hedge::scan(const ScanOptions& scan) const {
   return out;
 }
 
-std::vector<Stretch> Hedge::stretches(double voxel_m, double half_width_m, double top_m) const {
+std::vector<RowSegment> Hedge::row_segments(double voxel_m, double half_width_m, double top_m) const {
   const int per = std::max(1, static_cast<int>(std::lround(3.0 / voxel_m)));
   const int first = -static_cast<int>(std::ceil(0.6 / voxel_m));
   const int last = static_cast<int>(std::ceil((options_.length_m + 0.6) / voxel_m));
   const int half = static_cast<int>(std::ceil(half_width_m / voxel_m - 1e-9));
-  std::vector<Stretch> out;
+  std::vector<RowSegment> out;
   for (int column = first; column < last; column += per) {
-    Stretch s;
+    RowSegment s;
     s.row = 1, s.index = static_cast<int>(out.size());
     s.chainage_m = column * voxel_m;
     s.origin = {s.chainage_m, 0};

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "rayfield/density/row_layout.h"
-#include "rayfield/density/wood.h"
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/voxels/wood.h"
 #include "rayfield/tile/segments.h"
 
 /// A hedge of square leaves on a plane, scanned from a lane on each side by a spinning 2-D lidar, with its own ray
@@ -17,7 +17,7 @@ namespace rayfield::density::testing {
 
 struct HedgeOptions {
   double length_m = 9;
-  double leaf_area_m2 = 0.0035;                   ///< of one leaf
+  double leaf_size_m2 = 0.0035;                   ///< of one leaf
   double leaf_area_per_m = 3;                     ///< mean, m² per metre of row
   double variation = 0.35;                        ///< relative, of leaf_area_per_m along the row (period 4.5 m)
   double sigma_across_m = 0.14;                   ///< normal distribution across
@@ -60,7 +60,7 @@ class Hedge {
   /// Rays of a drive along both lanes; those that miss the hedge's surroundings are left out.
   tile::SegmentBatch scan(const ScanOptions& scan) const;
   /// Row-aligned voxels over the hedge and 0.6 m beyond its ends.
-  std::vector<Stretch> stretches(double voxel_m, double half_width_m, double top_m) const;
+  std::vector<RowSegment> row_segments(double voxel_m, double half_width_m, double top_m) const;
 
  private:
   void add_leaf(const Eigen::Vector3d& center, std::mt19937_64& rng);

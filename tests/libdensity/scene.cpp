@@ -105,7 +105,7 @@ Tiles Scene::tiles() const {
 std::vector<TileSurvey> survey_all(const Tiles& tiles) {
   std::vector<TileSurvey> surveys;
   for (const auto& [index, batch] : tiles) {
-    SurveyAccumulator sum(index, kTile, {});
+    SurveyAccumulator sum({index, kTile}, {});
     sum.add(batch);
     surveys.push_back(sum.finish());
   }
@@ -128,7 +128,7 @@ GroundModel ground_of(const std::vector<TileSurvey>& surveys) {
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground) {
   CanopyMap map(kTile);
   for (const auto& [index, batch] : tiles) {
-    CanopyAccumulator sum(index, kTile, ground, {});
+    CanopyAccumulator sum({index, kTile}, ground, {});
     sum.add(batch);
     map.set(index, sum.finish());
   }
@@ -138,7 +138,7 @@ CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground) {
 std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground) {
   std::vector<Stem> stems;
   for (const auto& [index, batch] : tiles) {
-    StemAccumulator sum(index, kTile, layout, ground, {});
+    StemAccumulator sum({index, kTile}, layout, ground, {});
     sum.add(batch);
     const auto more = sum.finish();
     stems.insert(stems.end(), more.begin(), more.end());
@@ -147,14 +147,38 @@ std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const Gr
 }
 
 CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground,
-                         const StretchOptions& options) {
+                         const RowSegmentOptions& options) {
   CanopyProfile total;
   for (const auto& [index, batch] : tiles) {
-    CanopyProfileAccumulator sum(index, kTile, layout, ground, options);
+    CanopyProfileAccumulator sum({index, kTile}, layout, ground, options);
     sum.add(batch);
     add_profile(total, sum.finish());
   }
   return total;
+}
+
+RowLayout two_rows(const BlockShape& block, double spacing_m) {
+  RowLayout layout;
+  for (int i = 0; i < 2; ++i) {
+    Row row;
+    for (int k = 0; k <= 60; ++k) row.centreline.push_back(block.at(k / 60.0, -i * spacing_m));
+    layout.rows.push_back(row);
+  }
+  number_rows(layout);
+  return layout;
+}
+
+GroundModel exact_ground(const Height& height) {
+  GroundModel model(kTile);
+  for (int ix = 19999; ix <= 20003; ++ix)
+    for (int iy = 244000; iy <= 244004; ++iy) {
+      Grid2<float> nodes(Eigen::Vector2d(ix, iy) * kTile, 0.25, 101, 101);
+      for (int y = 0; y < 101; ++y)
+        for (int x = 0; x < 101; ++x)
+          nodes.at(x, y) = static_cast<float>(height(nodes.origin.x() + 0.25 * x, nodes.origin.y() + 0.25 * y));
+      model.set({ix, iy}, nodes);
+    }
+  return model;
 }
 
 Found find_rows_in(const Scene& scene) {

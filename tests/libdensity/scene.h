@@ -6,12 +6,15 @@
 #include <random>
 #include <vector>
 
-#include "rayfield/density/canopy_map.h"
-#include "rayfield/density/ground.h"
-#include "rayfield/density/posts.h"
-#include "rayfield/density/rows.h"
-#include "rayfield/density/stretches.h"
-#include "rayfield/density/survey.h"
+#include "libdensity/ground/ground.h"
+#include "libdensity/ground/survey.h"
+#include "libdensity/layout/canopy_map.h"
+#include "libdensity/layout/posts.h"
+#include "libdensity/layout/row_order.h"
+#include "libdensity/layout/rows.h"
+#include "libdensity/layout/stem_accumulator.h"
+#include "libdensity/voxels/canopy_profile.h"
+#include "libdensity/voxels/row_segments.h"
 
 /// Analytic scenes: points on surfaces of known place, and a drive, handed out as the segments of tiles.
 namespace rayfield::density::testing {
@@ -72,7 +75,12 @@ GroundModel ground_of(const std::vector<TileSurvey>& surveys);
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground);
 std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground);
 CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground,
-                         const StretchOptions& options);
+                         const RowSegmentOptions& options);
+
+/// Rows at 0 and −spacing_m across the block.
+RowLayout two_rows(const BlockShape& block, double spacing_m);
+/// Ground nodes of a height function over the tiles around the block.
+GroundModel exact_ground(const Height& height);
 
 /// Rows found in a scene, with everything before them.
 struct Found {

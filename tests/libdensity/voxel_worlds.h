@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "rayfield/density/voxel_grid.h"
+#include "libdensity/voxels/voxel_grid.h"
 
 /// Small voxel grids and rays through them, for tests.
 namespace rayfield::density::testing {
@@ -14,8 +14,8 @@ inline constexpr tile::TileIndex kBigTile{0, 0};
 inline constexpr double kBigTileSize = 1000;
 
 /// 20 × 10 × 12 voxels of 12 cm on sloping ground, turned by 30°, across the corner of tiles of 25 m at (250, 500).
-inline Stretch make_stretch() {
-  Stretch s;
+inline RowSegment make_row_segment() {
+  RowSegment s;
   s.row = 1;
   s.direction = {std::cos(0.5), std::sin(0.5)};
   s.origin = Eigen::Vector2d(250, 500) - 1.2 * s.direction;
@@ -26,14 +26,14 @@ inline Stretch make_stretch() {
 }
 
 /// By the definition in row_layout.h, independently of the library's own transform.
-inline Eigen::Vector3d map_from_grid(const Stretch& s, const Eigen::Vector3d& g) {
+inline Eigen::Vector3d map_from_grid(const RowSegment& s, const Eigen::Vector3d& g) {
   const double along = g.x() * s.voxel_m, across = s.across_min_m + g.y() * s.voxel_m;
   const Eigen::Vector2d p =
       s.origin + along * s.direction + across * Eigen::Vector2d(-s.direction.y(), s.direction.x());
   return {p.x(), p.y(), s.ground_m + s.slope_along * along + s.slope_across * across + s.up_min_m + g.z() * s.voxel_m};
 }
 
-inline Eigen::Vector3d grid_from_map(const Stretch& s, const Eigen::Vector3d& p) {
+inline Eigen::Vector3d grid_from_map(const RowSegment& s, const Eigen::Vector3d& p) {
   const Eigen::Vector2d d = p.head<2>() - s.origin;
   const double along = d.dot(s.direction), across = -d.x() * s.direction.y() + d.y() * s.direction.x();
   const double up = p.z() - s.ground_m - s.slope_along * along - s.slope_across * across;
@@ -52,7 +52,7 @@ inline void copy_ray(const tile::SegmentBatch& from, std::size_t i, tile::Segmen
 }
 
 /// Rays between random points in a box half again as large as the grid; two thirds of them end on something.
-inline tile::SegmentBatch random_rays(const Stretch& s, int count, std::uint64_t seed) {
+inline tile::SegmentBatch random_rays(const RowSegment& s, int count, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> uniform(-0.25, 1.25);
   const auto point = [&] {
@@ -73,9 +73,9 @@ inline VoxelOptions count_every_ray() {
   return options;
 }
 
-inline TileVoxels count_all(const std::vector<Stretch>& stretches, const tile::SegmentBatch& rays,
+inline TileVoxels count_all(const std::vector<RowSegment>& row_segments, const tile::SegmentBatch& rays,
                             const std::vector<WoodCylinder>& wood = {}) {
-  auto accumulator = VoxelAccumulator::create(kBigTile, kBigTileSize, stretches, wood, count_every_ray());
+  auto accumulator = VoxelAccumulator::create({kBigTile, kBigTileSize}, row_segments, wood, count_every_ray());
   if (!accumulator || !accumulator->add(rays)) return {};
   return std::move(*accumulator).finish();
 }

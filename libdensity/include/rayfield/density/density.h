@@ -1,18 +1,18 @@
 #pragma once
 
-/// libdensity: from the tiles of a block to canopy density.
-#include "rayfield/density/load.h"     // what process() left in the store, as products
-#include "rayfield/density/process.h"  // everything below, in order, over a store
+/// libdensity: from the tiles of a block to canopy density. What programs need of it:
+#include "rayfield/density/layout_options.h"  // options of the stages up to the block's layout
+#include "rayfield/density/load.h"            // what process() left in the store, as products
+#include "rayfield/density/missing_rays.h"    // restores the rays that clouds leave out
+#include "rayfield/density/options.h"         // options of voxels, density and maps, and all of them together
+#include "rayfield/density/process.h"         // runs all stages over a store
 
-#include "rayfield/density/canopy_map.h"   // hits in plan by height
-#include "rayfield/density/drives.h"       // the trajectory cut into drives along lanes
-#include "rayfield/density/estimator.h"    // from counts to density
-#include "rayfield/density/ground.h"       // ground from the lifted lower hull
-#include "rayfield/density/integrate.h"    // panels, half metres, sections
-#include "rayfield/density/plan_raster.h"  // maps
-#include "rayfield/density/posts.h"        // posts, trunks, panels
-#include "rayfield/density/row_density.h"  // the density of a row
-#include "rayfield/density/rows.h"         // rows beside the drives
-#include "rayfield/density/stretches.h"    // voxel grids that follow row and ground
-#include "rayfield/density/survey.h"       // one pass over a tile: low points, path, coverage
-#include "rayfield/density/voxel_grid.h"   // rays, hits and path lengths per voxel
+/// How it is done stands in the folders of the library, in this order, each using only those before it:
+///   options      what can be set, and whether it fits together
+///   tiles        reading tiles chunk by chunk, reading and writing derived data
+///   ray_filters  rays that clouds leave out
+///   ground       one reading of every tile: survey, trajectory, ground
+///   layout       rows beside the vehicle's passes, posts, trunks, panels
+///   voxels       row segments with their voxel grids; rays, hits and path lengths per voxel; how large leaves are
+///   estimate     from counts to density, from density to panels, sections and maps
+///   pipeline     the stages one after the other over a store that keeps what each of them made

@@ -6,15 +6,26 @@
 #include <string>
 #include <vector>
 
+#include "rayfield/core/option_fields.h"
 #include "rayfield/core/ray_source.h"
 
 namespace rayfield::density {
 
+/// Which gaps between beams are taken for rays without a return.
 struct MissingRayOptions {
-  double lowest_elevation_rad = -0.26;  ///< gaps that reach further below the horizon (−15°) stay open: there the
-                                        ///< ground sends rays back, and the vehicle stopped them. Valid: −1.5…0
-  int longest_gap = 64;                 ///< beams in a row that may be missing, 1…1000
-  int most_above = 2;  ///< beams above the horizon in a gap; with more, it is not for want of a return. Valid: 0…1000
+  double lowest_elevation_rad = -0.26;
+  int longest_gap = 64;
+  int most_above = 2;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.number("lowest_elevation_rad", o.lowest_elevation_rad, {-1.5, 0},
+             "Gaps that reach further below the horizon (-15°) stay open: there the ground sends rays back, and the "
+             "vehicle stopped them");
+    v.integer("longest_gap", o.longest_gap, {1, 1000}, "Beams in a row that may be missing");
+    v.integer("most_above", o.most_above, {0, 1000},
+              "Beams above the horizon in a gap; with more, it is not for want of a return");
+  }
   Result<void> validate() const;
 };
 

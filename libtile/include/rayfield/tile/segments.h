@@ -13,6 +13,15 @@ struct TileIndex {
   auto operator<=>(const TileIndex&) const = default;
 };
 
+/// One square of the map with the store's tile size.
+struct TileRef {
+  TileIndex index;
+  double size_m = 0;
+
+  /// South-west corner, m.
+  Eigen::Vector2d corner() const { return {index.ix * size_m, index.iy * size_m}; }
+};
+
 /// What of its ray a segment holds.
 enum SegmentFlag : std::uint8_t {
   kHit = 1,         ///< the ray hit a surface at this segment's end (set only where that end belongs to this file)

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rayfield/core/grid3.h"
+
+namespace rayfield::density {
+
+/// A row of vines as geometry: a centreline with chainage. Positive across = left of the direction of the line.
+struct Row {
+  int number = 0;                           ///< from 1, in the order across the block
+  std::vector<Eigen::Vector2d> centreline;  ///< vertices, m; first = chainage 0, at the row's first end
+  bool seen_from_left = true, seen_from_right = true;
+  double length_m() const;
+};
+
+/// Part of a row between two posts (or of a given length).
+struct Panel {
+  int row = 0;                    ///< Row::number
+  int number = 0;                 ///< from 1 along the row
+  double start_m = 0, end_m = 0;  ///< chainage
+};
+
+struct Post {
+  int row = 0;
+  double chainage_m = 0, across_m = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double height_m = 0;  ///< above the ground
+  double radius_m = 0.05;
+  Eigen::Vector2d lean =
+      Eigen::Vector2d::Zero();  ///< horizontal shift per metre of height, map axes; position is at the ground
+  bool detected = true;         ///< false: placed where the regular spacing wants one
+};
+
+/// The stem of a vine between the ground and its cordon: wood whose hits are not leaves.
+struct Trunk {
+  int row = 0;
+  double chainage_m = 0, across_m = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double radius_m = 0.025;
+  double top_m = 0;  ///< above the ground: where the stem is last seen as one
+};
+
+/// The lay-out of a block: what is found once, in the first scan, and kept.
+struct RowLayout {
+  double spacing_m = 0;  ///< median distance of neighbouring rows; NaN for a single row
+  std::vector<Row> rows;
+  std::vector<Panel> panels;
+  std::vector<Post> posts;
+  std::vector<Trunk> trunks;
+};
+
+/// A straight piece of a row with its own frame; voxels are made per row segment, so that rows may curve gently and the
+/// ground under them may roll. Local coordinates of a map point p with (e, n) = p − origin in plan:
+///   along = e·ux + n·uy, across = −e·uy + n·ux, up = z − (ground_m + slope_along·along + slope_across·across).
+/// The shear keeps straight rays straight and volumes exact (docs/density.md, "Counting").
+struct RowSegment {
+  int row = 0;                                           ///< Row::number
+  int index = 0;                                         ///< along the row, from 0
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();      ///< on the centreline, where the row segment begins
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector along the row
+  double chainage_m = 0;                                 ///< of the origin along the row
+  double ground_m = 0, slope_along = 0, slope_across = 0;
+  int first_along = 0;  ///< number of the first voxel column along the row, counted from chainage 0
+  int n_along = 0, n_across = 0, n_up = 0;
+  double across_min_m = 0, up_min_m = 0.3;  ///< of the grid's low faces
+  double voxel_m = 0.12;
+
+  /// Voxel (along, across, up); a column is all voxels of one (along, across).
+  Shape3 shape() const { return {n_along, n_across, n_up}; }
+};
+
+}  // namespace rayfield::density

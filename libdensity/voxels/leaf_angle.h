@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "rayfield/core/result.h"
+#include "rayfield/density/options.h"
+
+namespace rayfield::density {
+
+/// Density of the leaf inclination (rad, 0…π/2), integral 1.
+double leaf_inclination_density(const LeafAngles& angles, double inclination_rad);
+
+/// Projection function G(θ): mean area that one unit of one-sided leaf area shows to a ray of zenith angle θ
+/// (Ross 1981; numerically integrated, relative error < 1e-4). 0.5 for spherical leaves at any θ.
+double leaf_projection(const LeafAngles& angles, double cos_zenith);
+
+/// leaf_projection() tabulated over |cos θ| with linear interpolation (error < 5e-4), for use once per ray.
+class LeafProjectionTable {
+ public:
+  explicit LeafProjectionTable(const LeafAngles& angles);
+  double operator()(double cos_zenith) const {
+    const double u = (cos_zenith < 0 ? -cos_zenith : cos_zenith) * kCells;
+    const int cell = u < kCells - 1 ? static_cast<int>(u) : kCells - 1;
+    const auto i = static_cast<std::size_t>(cell);
+    return values_[i] + (u - cell) * (values_[i + 1] - values_[i]);
+  }
+
+ private:
+  static constexpr int kCells = 256;
+  std::array<double, kCells + 1> values_{};
+};
+
+}  // namespace rayfield::density

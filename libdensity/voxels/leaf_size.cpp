@@ -1,0 +1,199 @@
+#include "libdensity/voxels/leaf_size.h"
+#include "libdensity/tiles/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace rayfield::density {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kSamples = 20000;               // standard error of the two averages below about 0.5 %
+constexpr std::uint64_t kEnoughPairs = 2000;  // standard error of the share of same-leaf pairs about 1 %
+constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
+
+/// Uniform numbers that are the same on every platform (std::uniform_real_distribution need not be).
+class Uniform {
+ public:
+  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
+  double operator()() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
+  double normal() { return std::sqrt(-2 * std::log((*this)())) * std::cos(2 * kPi * (*this)()); }
+  Eigen::Vector3d direction() {
+    const double z = 2 * (*this)() - 1, azimuth = 2 * kPi * (*this)(), s = std::sqrt(1 - z * z);
+    return {s * std::cos(azimuth), s * std::sin(azimuth), z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Where a parallel ray at unit lateral distance meets the plane of a leaf that a ray along z has hit: offset in
+/// the leaf's own axes and along the ray, and the noise of the two ranges in units of their standard deviation.
+struct PlaneSample {
+  double u, v, along, noise;
+};
+
+std::vector<PlaneSample> plane_samples() {
+  std::vector<PlaneSample> out;
+  out.reserve(kSamples);
+  Uniform uniform(20190211);
+  for (int i = 0; i < kSamples; ++i) {
+    // A ray hits leaves in proportion to |cos| of the angle to their normal: cos = √uniform.
+    const double c = std::sqrt(uniform()), s = std::sqrt(1 - c * c);
+    const double azimuth = 2 * kPi * uniform(), turn = 2 * kPi * uniform();
+    const double x = std::cos(azimuth), y = std::sin(azimuth);
+    const double along = -x * s / c;
+    const double a = x * c - along * s;  // in the plane, down the slope
+    out.push_back({a * std::cos(turn) + y * std::sin(turn), -a * std::sin(turn) + y * std::cos(turn), along,
+                   std::sqrt(2.0) * uniform.normal()});
+  }
+  return out;
+}
+
+/// Probabilities that the parallel ray ends on the same leaf: with a difference of range inside ±w, and in each of
+/// the windows −2w…−w and w…2w (equal by symmetry).
+struct SameLeaf {
+  double centre = 0, side = 0;
+};
+
+SameLeaf same_leaf(const std::vector<PlaneSample>& samples, double r, double side_m, double noise) {
+  SameLeaf out;
+  for (const PlaneSample& p : samples) {
+    const double difference = std::abs(r * p.along + noise * p.noise);
+    if (difference >= 2 * LeafSizePairs::kWindowM) continue;
+    // The first ray hits anywhere on the square: share of places from which the offset stays on it.
+    const double share = std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
+    (difference < LeafSizePairs::kWindowM ? out.centre : out.side) += share;
+  }
+  out.centre /= static_cast<double>(samples.size());
+  out.side /= 2 * static_cast<double>(samples.size());
+  return out;
+}
+
+/// Counts at one distance as shares of the rays that get that far.
+struct Observed {
+  double r, weight;              ///< weight: rays that arrive at the central window
+  double front, centre, behind;  ///< share that ends in each window, of those that enter it
+};
+
+std::vector<Observed> observe(const LeafSizePairs& pairs, double from_m, double to_m) {
+  std::vector<Observed> out;
+  for (int b = 0; b < LeafSizePairs::kBins; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    const double r = (b + 0.5) * LeafSizePairs::kStepM;
+    const auto near = static_cast<double>(pairs.near[i]), front = static_cast<double>(pairs.front[i]);
+    const auto same = static_cast<double>(pairs.same[i]), behind = static_cast<double>(pairs.behind[i]);
+    const double arrive = near - front, left = arrive - same;
+    if (r < from_m || r > to_m || near < 50 || arrive <= 0) continue;
+    out.push_back({r, arrive, front / near, same / arrive, left > 0 ? behind / left : 0});
+  }
+  return out;
+}
+
+double total_weight(const std::vector<Observed>& observed) {
+  double sum = 0;
+  for (const Observed& o : observed) sum += o.weight;
+  return sum;
+}
+
+/// How much more often rays end at the same depth than leaves of that size, and others at the hazards seen in front
+/// and behind, make them. The outer windows hold some of the same leaf too, which is taken out of the hazards.
+double excess_at_depth(const Observed& o, const SameLeaf& q) {
+  const double survive_front = (1 - o.front) / (1 - q.side);
+  const double centre = q.centre / (1 - q.side);
+  const double behind = std::min(0.99, q.side / std::max(0.01, 1 - q.side - q.centre));
+  const double survive_behind = std::min(1.0, (1 - o.behind) / (1 - behind));
+  return o.centre - (1 - (1 - centre) * std::min(1.0, survive_front) * survive_behind);
+}
+
+}  // namespace
+
+LeafSizePairs& LeafSizePairs::operator+=(const LeafSizePairs& other) {
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    near[i] += other.near[i], front[i] += other.front[i];
+    same[i] += other.same[i], behind[i] += other.behind[i];
+  }
+  return *this;
+}
+
+void LeafSizePairs::add(double distance_m, double delta_m, bool hit) {
+  const double bin = distance_m / kStepM;
+  if (!(bin < kBins) || delta_m < -2 * kWindowM || (!hit && delta_m < 2 * kWindowM)) return;
+  const auto i = static_cast<std::size_t>(bin);
+  ++near[i];
+  if (!hit || delta_m >= 2 * kWindowM) return;
+  if (delta_m < -kWindowM)
+    ++front[i];
+  else if (delta_m < kWindowM)
+    ++same[i];
+  else
+    ++behind[i];
+}
+
+double same_leaf_probability(double distance_m, double side_m, double range_noise_m) {
+  static const std::vector<PlaneSample> samples = plane_samples();
+  return same_leaf(samples, distance_m, side_m, range_noise_m).centre;
+}
+
+LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
+  static const std::vector<PlaneSample> samples = plane_samples();
+  LeafSize out;
+  // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
+  // lidars with coarse steps. Nearer than 1 cm both beams are the same surface whatever its size.
+  std::vector<Observed> observed = observe(pairs, 0.01, 0.04);
+  if (total_weight(observed) < kEnoughPairs) observed = observe(pairs, 0.01, 0.08);
+  out.pairs = static_cast<std::uint64_t>(total_weight(observed));
+  if (out.pairs < kEnoughPairs) return out;
+  double low = kMinSideM, high = kMaxSideM;
+  for (int step = 0; step < 30; ++step) {
+    const double side = std::sqrt(low * high);
+    double excess = 0;
+    // A share f of hits on canes and wires takes f·q from q ≈ 1 − 4r/(π·side): its pull on the side, f·q/(dq/dside),
+    // goes with 1/r. Distances weigh with r², as if that were their error.
+    for (const Observed& o : observed)
+      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(samples, o.r, side, range_noise_m));
+    (excess > 0 ? low : high) = side;
+  }
+  out.area_m2 = low * high;
+  out.measured = true;
+  return out;
+}
+
+LeafShadow leaf_shadow(double area_m2, double voxel_m) {
+  if (!(area_m2 > 0) || !(voxel_m > 0)) return {};
+  const double side = std::sqrt(area_m2), dt = voxel_m / 24;
+  const int steps = ceil_int((1.75 * voxel_m + 2 * side) / dt);
+  Uniform uniform(20181212);
+  // Share of places of a point in the voxel for which it is there with these two shifts of itself.
+  const auto overlap = [voxel_m](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    double p = 1;
+    for (int k = 0; k < 3; ++k)
+      p *= std::max(0.0, 1 - (std::max({0.0, a[k], b[k]}) - std::min({0.0, a[k], b[k]})) / voxel_m);
+    return p;
+  };
+  // Lengths of shadow in the voxel, by whether the point of the leaf that casts it lies there too.
+  double all = 0, inside = 0, hits = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const Eigen::Vector3d normal = uniform.direction(), ray = uniform.direction();
+    const Eigen::Vector3d axis_u = normal.unitOrthogonal(), axis_v = normal.cross(axis_u);
+    // From the hit, inside the voxel, to another random point of the leaf.
+    const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
+    const double cosine = std::abs(normal.dot(ray));  // hits are as frequent, and shadows as wide
+    hits += cosine;
+    for (int step = 0; step < steps; ++step) {
+      const Eigen::Vector3d at = offset + (step + 0.5) * dt * ray;
+      all += dt * cosine * cosine * overlap(at, at);
+      inside += dt * cosine * cosine * overlap(offset, at);
+    }
+  }
+  const double share = area_m2 / (hits * voxel_m * voxel_m * voxel_m);
+  return {share * (all - inside), share * inside};
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,139 @@
+#include "libdensity/ground/survey.h"
+#include "libdensity/ground/survey_arrays.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/libdensity/scene.h"
+
+namespace rayfield::density {
+namespace {
+
+using testing::kTile;
+
+tile::SegmentBatch slice(const tile::SegmentBatch& all, std::size_t from, std::size_t to) {
+  tile::SegmentBatch out;
+  for (std::size_t i = from; i < to; ++i) {
+    out.entry.push_back(all.entry[i]), out.exit.push_back(all.exit[i]), out.time_s.push_back(all.time_s[i]);
+    out.intensity.push_back(all.intensity[i]), out.flags.push_back(all.flags[i]);
+  }
+  return out;
+}
+
+testing::Scene busy_scene() {
+  testing::Scene scene(3);
+  scene.add_ground({500001, 6100001}, {500024, 6100024}, 40, 0.02);
+  testing::BlockShape block;
+  block.start = {500003, 6100003}, block.length_m = 18;
+  scene.add_canopy(block, 0, 0, 1, 500);
+  scene.drive_lanes(block, {-1.25, 1.25});
+  return scene;
+}
+
+TEST(Survey, IsTheSameInWhateverOrderAndHoweverSplitTheSegmentsArrive) {
+  const auto tiles = busy_scene().tiles();
+  const auto& [index, batch] = *tiles.begin();
+  SurveyOptions options;
+  options.ground_bins = 8;  // far fewer than occupied bins, so that bins are pushed out
+  SurveyAccumulator whole({index, kTile}, options);
+  whole.add(batch);
+
+  SurveyAccumulator a({index, kTile}, options), b({index, kTile}, options), c({index, kTile}, options);
+  const std::size_t n = batch.size() / 24 * 8;  // whole strides: the coverage sample is by position in a chunk
+  c.add(slice(batch, 2 * n, batch.size()));
+  a.add(slice(batch, n, 2 * n));
+  b.add(slice(batch, 0, n));
+  c.merge(a), c.merge(b);
+
+  const tile::ArraySet one = survey_to_arrays(whole.finish()), two = survey_to_arrays(c.finish());
+  EXPECT_EQ(one.attributes, two.attributes);
+  EXPECT_EQ(one.columns, two.columns);
+}
+
+TEST(Survey, CountsEachHitInTheTileOnceAndNoneOfTheMargin) {
+  testing::Scene scene(1);
+  for (double x : {499999.9, 500000.0, 500000.1, 500012.0, 500024.9, 500025.0}) scene.add_point({x, 6100010, 100});
+  const auto tiles = scene.tiles();
+  std::int64_t total = 0;
+  for (const auto& survey : testing::survey_all(tiles)) total += survey.hits;
+  EXPECT_EQ(total, 6);
+  const auto surveys = testing::survey_all(tiles);
+  const auto middle =
+      std::find_if(surveys.begin(), surveys.end(), [](const TileSurvey& s) { return s.index.ix == 20000; });
+  ASSERT_NE(middle, surveys.end());
+  EXPECT_EQ(middle->hits, 4);  // 500000.0, 500000.1, 500012.0, 500024.9
+}
+
+TEST(Survey, JoinsThePathOfSeveralTilesInTheOrderOfTime) {
+  testing::Scene scene(2);
+  scene.add_drive({{500010, 6100010}, {500040, 6100010}});  // crosses a border
+  const auto surveys = testing::survey_all(scene.tiles());
+  ASSERT_EQ(surveys.size(), 2U);
+  const auto path = join_path(testing::pointers(surveys));
+  ASSERT_NEAR(static_cast<double>(path.size()), 30 / 1.25 / 0.1, 2);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    EXPECT_GT(path[i].time_s, path[i - 1].time_s);
+    EXPECT_GT(path[i].position.x(), path[i - 1].position.x());
+  }
+  for (const PathPoint& p : path) {
+    EXPECT_NEAR(p.position.y(), 6100010, 1e-3);
+    EXPECT_NEAR(p.position.z(), 101.8, 1e-3);
+  }
+}
+
+TEST(Survey, LeavesOutSegmentsThatAreNotFinite) {
+  tile::SegmentBatch batch;
+  batch.entry = {{500001, 6100001, 101}, {500001, 6100001, NAN}};
+  batch.exit = {{500001, 6100001, 100}, {500001, 6100001, 100}};
+  batch.time_s = {1, 2}, batch.intensity = {0, 0};
+  batch.flags = {tile::kHit | tile::kEndsHere, tile::kHit | tile::kEndsHere};
+  SurveyAccumulator sum({{20000, 244000}, kTile}, {});
+  sum.add(batch);
+  EXPECT_EQ(sum.finish().hits, 1);
+}
+
+TEST(Survey, TellsScansThatKeepTheirDownwardRaysWithoutAReturnFromThoseThatDropThem) {
+  const auto survey = [](int above, int below, int steep) {
+    tile::SegmentBatch batch;
+    const auto push = [&](double rise, std::uint8_t flags) {
+      batch.entry.push_back({500001, 6100001, 101}), batch.exit.push_back({500011, 6100001, 101 + 10 * rise});
+      batch.time_s.push_back(1), batch.intensity.push_back(0), batch.flags.push_back(flags);
+    };
+    for (int i = 0; i < above; ++i) push(0.1, tile::kEndsHere);
+    for (int i = 0; i < below; ++i) push(-0.02, tile::kEndsHere);
+    for (int i = 0; i < steep; ++i) push(-0.5, tile::kEndsHere);
+    push(-0.02, tile::kEndsHere | tile::kHit), push(-0.02, 0);  // a hit; one that ends in another tile
+    SurveyAccumulator sum({{20000, 244000}, kTile}, {});
+    sum.add(batch);
+    return sum.finish();
+  };
+  EXPECT_EQ(survey(3, 2, 1).misses_above, 3);
+  EXPECT_EQ(survey(3, 2, 1).misses_below, 2);
+  EXPECT_FALSE(holds_downward_misses({}));
+  EXPECT_FALSE(holds_downward_misses(std::vector{survey(600, 0, 50), survey(400, 19, 0)}));
+  EXPECT_TRUE(holds_downward_misses(std::vector{survey(600, 0, 0), survey(400, 21, 0)}));
+}
+
+TEST(Survey, SurvivesStorage) {
+  const auto tiles = busy_scene().tiles();
+  const TileSurvey survey = testing::survey_all(tiles).front();
+  const auto back = survey_from_arrays(survey_to_arrays(survey));
+  ASSERT_TRUE(back) << back.error().line();
+  EXPECT_EQ(survey_to_arrays(*back).columns, survey_to_arrays(survey).columns);
+  EXPECT_EQ(survey_to_arrays(*back).attributes, survey_to_arrays(survey).attributes);
+}
+
+TEST(Survey, RefusesStoredColumnsThatDoNotFitTogether) {
+  tile::ArraySet arrays = survey_to_arrays(testing::survey_all(busy_scene().tiles()).front());
+  std::get<std::vector<std::int32_t>>(arrays.columns["bin_key"]).pop_back();
+  const auto back = survey_from_arrays(arrays);
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().code, ErrorCode::damaged);
+  arrays.attributes = "{";
+  EXPECT_EQ(survey_from_arrays(arrays).error().code, ErrorCode::damaged);
+}
+
+}  // namespace
+}  // namespace rayfield::density
