@@ -78,9 +78,9 @@ Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& 
   if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));
   RAYFIELD_CHECK(formats::PlyWriteOptions{arguments.crs}.validate());
   slam::SlamOptions options;
-  RAYFIELD_CHECK(apply_settings(arguments.settings, options));
   options.threads = context.options.threads;
   options.scratch = scratch_beside(arguments.cloud).string();
+  RAYFIELD_CHECK(apply_settings(arguments.settings, options));
   RAYFIELD_CHECK(options.validate());
   if (context.options.dry_run) return describe_slam(arguments, context.progress);
   auto registered =
