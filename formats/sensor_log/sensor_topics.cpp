@@ -26,13 +26,13 @@ std::string_view sensor_name(SensorKind kind) {
 }
 
 bool is_raw_packets(std::string_view type) {
-  constexpr std::array<std::string_view, 13> raw = {
+  constexpr std::array<std::string_view, 13> kRaw = {
       "ouster_ros/PacketMsg",       "velodyne_msgs/VelodyneScan",  "velodyne_msgs/VelodynePacket",
       "hesai_lidar/PandarScan",     "pandar_msgs/PandarScan",      "hesai_ros_driver/UdpFrame",
       "livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg", "rslidar_msgs/rslidarScan",
       "rslidar_msgs/rslidarPacket", "rs_driver/RslidarPacket",     "rslidar_msg/RslidarPacket",
       "lslidar_msgs/LslidarPacket"};
-  for (const std::string_view each : raw) {
+  for (const std::string_view each : kRaw) {
     if (type == each) return true;
   }
   return false;

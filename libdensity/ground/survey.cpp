@@ -35,8 +35,6 @@ void add_path(std::vector<PathSum>& path, const PathSum& sum) {
   }
 }
 
-bool in_range(double value, double low, double high) { return value >= low && value <= high; }
-
 }  // namespace
 
 std::span<const LowBin> TileSurvey::cell_bins(int ix, int iy) const {

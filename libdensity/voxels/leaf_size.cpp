@@ -137,12 +137,12 @@ void LeafSizePairs::add(double distance_m, double delta_m, bool hit) {
 }
 
 double same_leaf_probability(double distance_m, double side_m, double range_noise_m) {
-  static const std::vector<PlaneSample> samples = plane_samples();
-  return same_leaf(samples, distance_m, side_m, range_noise_m).centre;
+  static const std::vector<PlaneSample> kSamples = plane_samples();
+  return same_leaf(kSamples, distance_m, side_m, range_noise_m).centre;
 }
 
 LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
-  static const std::vector<PlaneSample> samples = plane_samples();
+  static const std::vector<PlaneSample> kSamples = plane_samples();
   LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
   // lidars with coarse steps. Nearer than 1 cm both beams are the same surface whatever its size.
@@ -157,7 +157,7 @@ LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
     // A share f of hits on canes and wires takes f·q from q ≈ 1 − 4r/(π·side): its pull on the side, f·q/(dq/dside),
     // goes with 1/r. Distances weigh with r², as if that were their error.
     for (const Observed& o : observed)
-      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(samples, o.r, side, range_noise_m));
+      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(kSamples, o.r, side, range_noise_m));
     (excess > 0 ? low : high) = side;
   }
   out.area_m2 = low * high;

@@ -143,25 +143,25 @@ Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto pairs, arrays.column<std::int64_t>("pairs"));
   RAYFIELD_ASSIGN(const auto reals, arrays.column<double>("stretch_reals"));
   RAYFIELD_ASSIGN(const auto ints, arrays.column<std::int32_t>("stretch_ints"));
-  constexpr std::size_t real_count = kReals, bins = LeafSizePairs::kBins;
+  constexpr std::size_t kRealCount = kReals, kBins = LeafSizePairs::kBins;
   const std::size_t count = ints.size() / kInts;
-  if (tile.size() != 2 || pairs.size() != 4 * bins || ints.size() != count * kInts ||
-      reals.size() != count * real_count)
+  if (tile.size() != 2 || pairs.size() != 4 * kBins || ints.size() != count * kInts ||
+      reals.size() != count * kRealCount)
     return damaged("tables of fixed size have another");
   TileVoxels out;
   out.tile = {tile[0], tile[1]};
-  const std::array<std::array<std::uint64_t, bins>*, 4> parts = {&out.pairs.near, &out.pairs.front, &out.pairs.same,
-                                                                 &out.pairs.behind};
+  const std::array<std::array<std::uint64_t, kBins>*, 4> parts = {&out.pairs.near, &out.pairs.front, &out.pairs.same,
+                                                                  &out.pairs.behind};
   for (std::size_t p = 0; p < 4; ++p)
-    for (std::size_t b = 0; b < bins; ++b) {
-      if (pairs[p * bins + b] < 0) return damaged("negative counts");
-      (*parts[p])[b] = static_cast<std::uint64_t>(pairs[p * bins + b]);
+    for (std::size_t b = 0; b < kBins; ++b) {
+      if (pairs[p * kBins + b] < 0) return damaged("negative counts");
+      (*parts[p])[b] = static_cast<std::uint64_t>(pairs[p * kBins + b]);
     }
   RAYFIELD_ASSIGN(Cursor cursor, open(arrays));
   for (std::size_t i = 0; i < count; ++i) {
     RowSegmentVoxels s;
     RAYFIELD_ASSIGN(s.row_segment,
-                    pull_row_segment(reals.subspan(i * real_count, real_count), ints.subspan(i * kInts, kInts)));
+                    pull_row_segment(reals.subspan(i * kRealCount, kRealCount), ints.subspan(i * kInts, kInts)));
     RAYFIELD_CHECK(pull_voxels(cursor, s));
     out.row_segments.push_back(std::move(s));
   }

@@ -39,9 +39,9 @@ struct RegistrationStats {
   double last_correction_m = 0;  ///< largest move of a knot in the last iteration, less the motion of the whole
 };
 
-/// Stage b: corrects odometry.track over the whole drive (docs/slam.md, "Stage b"). On entry and on return the track is
-/// in the frame of the fixes (z up, aligned with GPS). `fixes` may be empty: then a weak prior holds the
-/// gauge. Surfels and biases in `odometry` are updated too. Errors: bad_input (singular), interrupted.
+/// Stage b: corrects odometry.track over the whole drive (docs/slam.md, "Stage b: the whole drive"). On entry and on
+/// return the track is in the frame of the fixes (z up, aligned with GPS). `fixes` may be empty: then a weak prior
+/// holds the gauge. Surfels and biases in `odometry` are updated too. Errors: bad_input (singular), interrupted.
 Result<RegistrationStats> register_globally(OdometryResult& odometry, const ImuGrid& imu,
                                             std::span<const GpsPosition> fixes, const Rig& rig,
                                             const SlamOptions& options, Progress& progress);

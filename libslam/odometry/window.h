@@ -46,7 +46,7 @@ struct WindowStats {
 };
 
 /// Optimises track[first_sample … last_sample] in place, and the biases and gravity in `state`; matches and weights are
-/// found anew at every iteration (docs/slam.md, "Stage a"). Errors: bad_input where the system is singular.
+/// found anew at every iteration (docs/slam.md, "Stage a: windows"). Errors: bad_input where the system is singular.
 Result<WindowStats> solve_window(PoseTrack& track, const ImuGrid& imu, std::span<const Surfel> surfels,
                                  const SlamOptions& options, const InertialNoise& noise, const WindowPrior& prior,
                                  int first_sample, int last_sample, InertialState& state);

@@ -33,7 +33,7 @@ struct SurfelWeights {
   double share = 1;
 };
 /// Surfels of overlapping voxels and resolutions share points, so that uncertainties count a match as a fifth. The
-/// solution counts it whole, which gives smaller errors (docs/slam.md, "Stage a": matches).
+/// solution counts it whole, which gives smaller errors (docs/slam.md, "Stage a: windows").
 inline constexpr double kIndependentShare = 0.2;
 
 /// Adds the robustly weighted surfel residuals of `matches` to `system`.

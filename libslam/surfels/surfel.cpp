@@ -14,7 +14,7 @@ namespace {
 constexpr double kUpright =
     0.3;  // 1 − |n_z| of a surface that also constrains the horizontal position: steeper than 45°
 
-// Fits a plane to the points of a voxel; false if they are not planar enough (docs/slam.md, "Stage a": surfels).
+// Fits a plane to the points of a voxel; false if they are not planar enough (docs/slam.md, "Stage a: windows").
 bool fit(const VoxelSums& voxel, const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
          std::size_t level, Surfel& out, double& tilt) {
   if (voxel.count < options.min_points) return false;

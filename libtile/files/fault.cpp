@@ -36,12 +36,12 @@ Plan read_plan() {
 }  // namespace
 
 int point(const char* name) {
-  static const Plan plan = read_plan();
-  if (!plan.active) return 0;
-  if (!plan.any_point && plan.name != name) return 0;
+  static const Plan kPlan = read_plan();
+  if (!kPlan.active) return 0;
+  if (!kPlan.any_point && kPlan.name != name) return 0;
   static std::atomic<long> passages{0};
-  if (++passages != plan.passage) return 0;
-  if (plan.kill) std::raise(SIGKILL);
+  if (++passages != kPlan.passage) return 0;
+  if (kPlan.kill) std::raise(SIGKILL);
   return ENOSPC;
 }
 

@@ -65,8 +65,8 @@ Result<void> TileBuffers::add(const ClippedBatch& batch, std::vector<ChunkJob>& 
   return {};
 }
 
-// Writes all waiting records as one run, tile after tile and in pieces of up to kSpillBuffer, so that the disk sees long
-// sequential writes; each tile remembers where its pieces lie, and its blocks go back to the arena.
+// Writes all waiting records as one run, tile after tile and in pieces of up to kSpillBuffer, so that the disk sees
+// long sequential writes; each tile remembers where its pieces lie, and its blocks go back to the arena.
 Result<void> TileBuffers::spill() {
   std::vector<RayRecord> buffer;
   buffer.reserve(kSpillBuffer);

@@ -132,8 +132,8 @@ Result<std::optional<AddReport>> find_added_scan(const std::filesystem::path& st
   return std::optional<AddReport>(std::move(report));
 }
 
-// Everything is written and durable before a snapshot names it, so that a crash at any point leaves the store as it was.
-// Without working locks another writer may publish the same scan first: then this one's snapshot is not made.
+// Everything is written and durable before a snapshot names it, so that a crash at any point leaves the store as it
+// was. Without working locks another writer may publish the same scan first: then this one's snapshot is not made.
 Result<AddReport> add_scan(const OpenStore& open_store, RaySource& rays, const AddOptions& options,
                            Progress& progress) {
   const std::filesystem::path& store = open_store.folder;

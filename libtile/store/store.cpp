@@ -72,8 +72,8 @@ Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
 
 }  // namespace
 
-// Making a store that is there already, with the same settings, is no error: a run that was interrupted after store.json
-// was linked is repeated with success.
+// Making a store that is there already, with the same settings, is no error: a run that was interrupted after
+// store.json was linked is repeated with success.
 Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
   RAYFIELD_CHECK(config.validate());
   std::error_code error;

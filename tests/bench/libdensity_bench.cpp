@@ -19,8 +19,8 @@ struct World {
 };
 
 const World& world() {
-  static const World w;
-  return w;
+  static const World kWorld;
+  return kWorld;
 }
 
 void count_rays(benchmark::State& state) {

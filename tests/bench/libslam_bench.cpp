@@ -35,12 +35,12 @@ struct Recording : SensorSink {
 };
 
 const Recording& recording() {
-  static const Recording instance = [] {
+  static const Recording kInstance = [] {
     Recording r;
     testing::feed_scene(r, testing::scene_rig(), {});
     return r;
   }();
-  return instance;
+  return kInstance;
 }
 
 void windowed_stage(benchmark::State& state) {
@@ -179,10 +179,10 @@ void one_step_ceres(benchmark::State& state) {
     std::vector<Vector6d> x(static_cast<std::size_t>(w.frame.extra_block) + 1, Vector6d::Zero());
     ceres::Problem problem;
     const auto add = [&](const auto& r) {
-      constexpr int rows = std::decay_t<decltype(r.error)>::RowsAtCompileTime;
+      constexpr int kRows = std::decay_t<decltype(r.error)>::RowsAtCompileTime;
       std::vector<double*> blocks;
       for (int k = 0; k < r.blocks; ++k) blocks.push_back(x[static_cast<std::size_t>(r.block[k])].data());
-      problem.AddResidualBlock(new Linear<rows>(r, std::sqrt(1e3)), nullptr, blocks);
+      problem.AddResidualBlock(new Linear<kRows>(r, std::sqrt(1e3)), nullptr, blocks);
     };
     std::vector<LinearResidual<1>> matches;  // as Ceres wants them: both sides in one
     for (const PairResidual& s : w.sides) {

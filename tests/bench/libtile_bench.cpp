@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 // A spinning 2D lidar on a vehicle at 1.2 m/s, 28 600 rays/s; a bit more than half of the rays hit.
 const RayBatch& drive() {
-  static const RayBatch rays = [] {
+  static const RayBatch kRays = [] {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
     std::normal_distribution<double> noise(0.0, 0.01);
@@ -38,7 +38,7 @@ const RayBatch& drive() {
     }
     return batch;
   }();
-  return rays;
+  return kRays;
 }
 
 // The drive several times over, later each time; random: the rays in no order.
@@ -141,8 +141,8 @@ struct FullChunk {
 };
 
 const FullChunk& full_chunk() {
-  static const FullChunk chunk;
-  return chunk;
+  static const FullChunk kChunk;
+  return kChunk;
 }
 
 void clip_rays(benchmark::State& state) {

@@ -99,13 +99,13 @@ inline double scene_range(const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
 }
 
 inline ImuSample scene_imu(double t, const SceneOptions& options) {
-  constexpr double h = 1e-3;
-  const Rigid3 before = scene_pose(t - h, options.rest_s), now = scene_pose(t, options.rest_s),
-               after = scene_pose(t + h, options.rest_s);
+  constexpr double kH = 1e-3;
+  const Rigid3 before = scene_pose(t - kH, options.rest_s), now = scene_pose(t, options.rest_s),
+               after = scene_pose(t + kH, options.rest_s);
   ImuSample s;
   s.time_s = kStart + t;
-  s.angular_velocity_rad_s = log_so3(before.rotation.conjugate() * after.rotation) / (2 * h) + options.gyro_bias;
-  const Eigen::Vector3d a = (after.translation - 2 * now.translation + before.translation) / (h * h);
+  s.angular_velocity_rad_s = log_so3(before.rotation.conjugate() * after.rotation) / (2 * kH) + options.gyro_bias;
+  const Eigen::Vector3d a = (after.translation - 2 * now.translation + before.translation) / (kH * kH);
   s.linear_acceleration_m_s2 = now.rotation.conjugate() * (a + Eigen::Vector3d(0, 0, 9.80665)) + options.accel_bias;
   return s;
 }
