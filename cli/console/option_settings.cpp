@@ -27,8 +27,7 @@ void add_settings_option(CLI::App& command, std::vector<std::string>& settings) 
       .add_option("--set", settings,
                   "Any option of docs/options.md, e.g. --set posts.min_contrast=2.5; may be given several times")
       ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);  // what follows KEY=VALUE is not another one
 }
 
 OptionValue parse_option_value(const std::string& text) {
