@@ -201,9 +201,4 @@ SectionProduct end_on_section(const RowDensity& row, double row_length_m) {
   return out;
 }
 
-RowTotal integrate_row(const RowDensity& row) {
-  const Sums s = sum_between(row, -kInfinity, kInfinity);
-  return {s.plant, s.leaf, s.variance};
-}
-
 }  // namespace rayfield::density

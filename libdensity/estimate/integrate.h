@@ -34,12 +34,6 @@ SectionProduct side_view(const RowDensity& row);
 /// x across (positive left), y height. `row_length_m` > 0.
 SectionProduct end_on_section(const RowDensity& row, double row_length_m);
 
-/// Plant area, leaf area and variance of a row, the sums behind the products, m² and m⁴.
-struct RowTotal {
-  double plant_area_m2 = 0, leaf_area_m2 = 0, variance_m4 = 0;
-};
-RowTotal integrate_row(const RowDensity& row);
-
 /// Height above up_min of which `share` of the summed area lies below, linear inside a layer; NaN for no area.
 double quantile_height(std::span<const double> layer_area, double layer_m, double share);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 namespace rayfield::density {
@@ -14,11 +13,6 @@ namespace {
 constexpr double kTrunkBend = 0.02;  // m
 
 }  // namespace
-
-double half_surface_m2(const WoodCylinder& wood, double from_m, double to_m) {
-  const double lo = std::clamp(from_m, 0.0, wood.length_m), hi = std::clamp(to_m, 0.0, wood.length_m);
-  return std::numbers::pi * wood.radius_m * std::max(0.0, hi - lo);
-}
 
 std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground) {
   std::vector<WoodCylinder> wood;

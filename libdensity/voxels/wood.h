@@ -18,10 +18,6 @@ struct WoodCylinder {
   double bend_m = 0;    ///< how far the true axis may stray from this one; widens what is masked, not its surface
 };
 
-/// Half the surface between two lengths along the axis (side only: a cylinder's ends face up and down and are
-/// neglected), m²: what plant area counts of round wood, as flat leaves count with one side.
-double half_surface_m2(const WoodCylinder& wood, double from_m, double to_m);
-
 /// Posts and trunks of the layout as cylinders that stand on the ground: posts with their lean, trunks upright, with 2
 /// cm of bend. Posts that were only placed by regular spacing are left out (nothing was seen there), and what stands on
 /// unknown ground.

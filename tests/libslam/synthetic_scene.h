@@ -39,11 +39,11 @@ inline const Eigen::Vector3d kSceneOrigin(-35.2, 138.5, 80);
 
 inline Rig scene_rig(bool spins = true) {
   Rig rig;
-  rig.gps.emplace();
+  rig.gps = Rig::Gps{};
   rig.imu_from_gps_m = Eigen::Vector3d(-0.4, 0.1, 0.5);
   rig.lidar.max_range_m = 30;
   if (spins) {
-    rig.spinner.emplace();
+    rig.spinner = Rig::Spinner{};
     rig.imu_from_spinner = {exp_so3({0.01, -0.02, 0.03}), {0.06, 0.0, 0.11}};
     // The scanner's plane stands upright: its x axis is horizontal, its y axis up.
     rig.spinner_from_lidar = {Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX())),

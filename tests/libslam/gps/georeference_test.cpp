@@ -10,7 +10,7 @@ namespace {
 
 TEST(CollectFixes, RefusesWhatIsNoPositionAndFloorsOptimisticCovariances) {
   Rig rig;
-  rig.gps.emplace();
+  rig.gps = Rig::Gps{};
   std::vector<GpsFix> fixes(5);
   for (int k = 0; k < 5; ++k) {
     fixes[k].time_s = 100 + k;

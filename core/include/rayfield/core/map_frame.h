@@ -5,7 +5,7 @@
 #include <string>
 
 #include "rayfield/core/result.h"
-
+/// frames: from the sensors' local metres to the map and back (PROJ, GeographicLib).
 namespace rayfield {
 
 /// What rayfield needs to know of a coordinate reference system.

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
-
+/// values: what everything else is made of: errors as values, dates, grids, poses, rays, products.
 namespace rayfield {
 
 /// What kind of failure; the value is the exit code of the command line (docs/commands.md).

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-
+/// identity: what names a content or a thing: SHA-256 and UUIDs.
 namespace rayfield {
 
 /// Incremental SHA-256 (FIPS 180-4, through libcrypto).

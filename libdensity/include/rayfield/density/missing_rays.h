@@ -8,7 +8,7 @@
 
 #include "rayfield/core/option_fields.h"
 #include "rayfield/core/ray_source.h"
-
+/// ray_filters: rays put right on their way into the store: those without a return that clouds leave out.
 namespace rayfield::density {
 
 /// Which gaps between beams are taken for rays without a return.

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <vector>
-
+/// report: what a run says of itself, as JSON for programs and as text for people.
 namespace rayfield::slam {
 
 /// Residuals of one kind at the end of the global registration.
