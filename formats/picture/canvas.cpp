@@ -172,11 +172,11 @@ double Canvas::text_width_px(std::string_view text, const TextStyle& style) cons
 void Canvas::hatch(const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
   rectangle(corner, size, {243, 243, 243, 255});
   clip(corner, size);
-  constexpr double spacing_px = 9;
+  constexpr double kSpacingPx = 9;
   const StrokeStyle line{{218, 218, 218, 255}, 1.2, 0};
   // Anchored to the picture, not to the corner, so that neighbouring areas join.
-  const double first = std::floor((corner.x() + corner.y()) / spacing_px) * spacing_px;
-  for (double sum = first; sum < corner.sum() + size.sum(); sum += spacing_px) {
+  const double first = std::floor((corner.x() + corner.y()) / kSpacingPx) * kSpacingPx;
+  for (double sum = first; sum < corner.sum() + size.sum(); sum += kSpacingPx) {
     const double top = corner.y(), bottom = corner.y() + size.y();
     polyline(std::vector<Eigen::Vector2d>{{sum - top, top}, {sum - bottom, bottom}}, line);
   }

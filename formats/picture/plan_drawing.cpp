@@ -36,8 +36,8 @@ void extend(PlaneBox& box, const Vector2d& p) {
 
 /// What there is to see, with a margin; false where there is nothing.
 bool find_window(const Plan& plan, PlaneBox& box) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  box = {Vector2d(infinite, infinite), Vector2d(-infinite, -infinite)};
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  box = {Vector2d(kInfinite, kInfinite), Vector2d(-kInfinite, -kInfinite)};
   if (plan.raster != nullptr) {
     const Grid2<float>& grid = plan.raster->grid;
     const PlaneBox whole{grid.origin, grid.origin + grid.cell_m * Vector2d(grid.nx, grid.ny)};

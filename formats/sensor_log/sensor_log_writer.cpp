@@ -44,9 +44,9 @@ constexpr std::uint32_t kPointStep = 4 * 4 + 2 + 4;
 
 /// Where a point is written; NaN or zeros where the rig's convention cannot keep the direction.
 Eigen::Vector3f written_point(const Eigen::Vector3f& direction, float range_m, const Rig::Lidar& lidar) {
-  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const float range = as_written(range_m, lidar.no_return, lidar.max_range_m);
-  if (!std::isfinite(range)) return {nan, nan, nan};
+  if (!std::isfinite(range)) return {kNan, kNan, kNan};
   return direction * range;
 }
 

@@ -15,8 +15,8 @@
 /// What the tests of GIS products share.
 namespace rayfield::formats::testing {
 
-inline constexpr float nanf_value = std::numeric_limits<float>::quiet_NaN();
-inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+inline constexpr float kNanFloat = std::numeric_limits<float>::quiet_NaN();
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 inline std::string message(const Result<void>& result) { return result ? "no error" : result.error().line(); }
 
@@ -54,7 +54,7 @@ inline BlockProducts make_block(int rows, int panels_per_row, const std::vector<
                           r + 1,
                           {start, start + Eigen::Vector2d(0, length)},
                           length,
-                          rows > 1 ? 2.75 : nan_value});
+                          rows > 1 ? 2.75 : kNan});
     for (int p = 0; p < panels_per_row; ++p) {
       const Eigen::Vector2d a = start + Eigen::Vector2d(-0.5, 6.5 * p), b = a + Eigen::Vector2d(1.0, 6.5);
       const std::string uid = "panel-" + std::to_string(r + 1) + "-" + std::to_string(p + 1);

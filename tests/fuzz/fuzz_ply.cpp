@@ -5,12 +5,12 @@
 
 /// Whatever the bytes: an error, or rays that are finite and not more than announced.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const rayfield::fuzz::MemoryFile file;
-  file.set(data, size);
+  static const rayfield::fuzz::MemoryFile kFile;
+  kFile.set(data, size);
   rayfield::formats::PlyReadOptions options;
   options.allow_truncated = true;
   options.allow_trailing = true;
-  const auto reader = rayfield::formats::PlyReader::open(file.path(), options);
+  const auto reader = rayfield::formats::PlyReader::open(kFile.path(), options);
   if (!reader) return 0;
   rayfield::RayBatch batch;
   std::uint64_t rays = 0;

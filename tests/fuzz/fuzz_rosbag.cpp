@@ -26,8 +26,8 @@ struct Checker : rayfield::SensorSink {
 
 /// Whatever the bytes: an error, or messages that keep the promises; memory bounded by the limits.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const rayfield::fuzz::MemoryFile file;
-  file.set(data, size);
+  static const rayfield::fuzz::MemoryFile kFile;
+  kFile.set(data, size);
   rayfield::Rig rig;
   rig.spinner = rayfield::Rig::Spinner();
   rig.gps = rayfield::Rig::Gps();
@@ -37,9 +37,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.bag.max_chunk_bytes = std::uint64_t{8} << 20;
   options.bag.max_message_bytes = std::uint64_t{8} << 20;
   Checker checker;
-  const auto report = rayfield::formats::read_log(file.path(), rig, checker, options);
+  const auto report = rayfield::formats::read_log(kFile.path(), rig, checker, options);
   if (report) (void)report->warnings();
-  const auto info = rayfield::formats::inspect_log(file.path(), options);
+  const auto info = rayfield::formats::inspect_log(kFile.path(), options);
   if (info) (void)rayfield::formats::propose_rig(*info);
   return 0;
 }

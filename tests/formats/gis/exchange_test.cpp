@@ -6,36 +6,29 @@
 #include <memory>
 
 #include "rayfield/core/map_frame.h"
+#include "tests/formats/gis/gdal_dataset.h"
 #include "tests/formats/products_support.h"
 
 namespace rayfield::formats {
 namespace {
 
+using testing::kNan;
 using testing::make_block;
 using testing::message;
-using testing::nan_value;
 using testing::read_file;
 using testing::TemporaryFolder;
 
-struct Closer {
-  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<GDALDataset, Closer>;
-
-Dataset open(const std::string& path) {
-  GDALAllRegister();
-  return Dataset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
-}
+testing::Dataset open(const std::string& path) { return testing::open_dataset(path, GDAL_OF_VECTOR); }
 
 TEST(GeoJson, PanelsLieWhereTheyShouldInLongitudeAndLatitude) {
   const TemporaryFolder folder;
   BlockProducts block = make_block(2, 2, {"2018-12-12", "2019-02-11"});
   std::reverse(block.panels[1].outline.begin(), block.panels[1].outline.end());  // clockwise: must be turned
-  block.scans[1].panel_values[0].lai = nan_value;
+  block.scans[1].panel_values[0].lai = kNan;
   block.scans[1].panel_values.pop_back();
   const auto written = write_panels_geojson(block, 1, folder / "a.geojson");
   ASSERT_TRUE(written) << message(written);
-  const Dataset dataset = open(folder / "a.geojson");
+  const testing::Dataset dataset = open(folder / "a.geojson");
   ASSERT_NE(dataset, nullptr);
   OGRLayer* layer = dataset->GetLayer(0);
   ASSERT_EQ(layer->GetFeatureCount(), 4);
@@ -71,7 +64,7 @@ TEST(GeoJson, ValuesAndAwkwardTextComeBack) {
   block.scans[0].panel_values[0].panel_uid = uid;
   block.scans[0].panel_values[0].leaf_area_m2 = 0.1 + 0.2;
   ASSERT_TRUE(write_panels_geojson(block, 0, folder / "a.geojson"));
-  const Dataset dataset = open(folder / "a.geojson");
+  const testing::Dataset dataset = open(folder / "a.geojson");
   ASSERT_NE(dataset, nullptr);
   dataset->GetLayer(0)->ResetReading();
   const std::unique_ptr<OGRFeature> feature(dataset->GetLayer(0)->GetNextFeature());
@@ -92,7 +85,7 @@ TEST(GeoJson, AScanThatDoesNotExistIsAUsageError) {
 TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   const TemporaryFolder folder;
   BlockProducts block = make_block(1, 2, {"2018-12-12", "2019-02-11"});
-  block.scans[0].panel_values[0].lai = nan_value;
+  block.scans[0].panel_values[0].lai = kNan;
   block.scans[0].panel_values[1].scan_id = "x,\"y\"";
   ASSERT_TRUE(write_panels_csv(block, folder / "a.csv"));
   std::istringstream lines(read_file(folder / "a.csv"));

@@ -15,9 +15,9 @@ namespace rayfield::formats {
 namespace {
 
 using testing::expect_valid_geopackage;
+using testing::kNan;
 using testing::make_block;
 using testing::message;
-using testing::nan_value;
 using testing::read_file;
 using testing::TemporaryFolder;
 
@@ -129,7 +129,7 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   BlockProducts block = make_block(2, 3, two_dates);
   PanelValue& first = block.scans[1].panel_values[0];
   first.leaf_area_m2 = 0.1 + 0.2;  // needs all 17 digits
-  first.lai = nan_value;
+  first.lai = kNan;
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   OGRLayer* values = reader.layer("panel_value");
@@ -339,7 +339,7 @@ TEST(GeoPackage, WrongInputIsRefusedAndTheOldFileStays) {
   block.panels[1].panel_uid = block.panels[0].panel_uid;
   EXPECT_EQ(code(block), ErrorCode::internal);
   block = good;
-  block.panels[1].outline[0].x() = nan_value;
+  block.panels[1].outline[0].x() = kNan;
   EXPECT_EQ(code(block), ErrorCode::internal);
   block = good;
   block.posts[0].position.y() = std::numeric_limits<double>::infinity();

@@ -11,26 +11,19 @@
 #include <random>
 
 #include "rayfield/core/parallel.h"
+#include "tests/formats/gis/gdal_dataset.h"
 #include "tests/formats/products_support.h"
 
 namespace rayfield::formats {
 namespace {
 
 using testing::expect_valid_cog;
+using testing::kNanFloat;
 using testing::message;
-using testing::nanf_value;
 using testing::read_file;
 using testing::TemporaryFolder;
 
-struct Closer {
-  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<GDALDataset, Closer>;
-
-Dataset open(const std::string& path) {
-  GDALAllRegister();
-  return Dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-}
+testing::Dataset open(const std::string& path) { return testing::open_dataset(path, GDAL_OF_RASTER); }
 
 /// Different in every cell, with a hole; not symmetric in any direction.
 RasterProduct make_raster(int nx, int ny) {
@@ -39,7 +32,7 @@ RasterProduct make_raster(int nx, int ny) {
   for (int iy = 0; iy < ny; ++iy) {
     for (int ix = 0; ix < nx; ++ix) {
       const bool hole = ix > nx / 3 && ix < nx / 2 && iy > ny / 4 && iy < ny / 2;
-      raster.grid.at(ix, iy) = hole ? nanf_value : static_cast<float>(ix) * 0.001F + static_cast<float>(iy) * 1.7F;
+      raster.grid.at(ix, iy) = hole ? kNanFloat : static_cast<float>(ix) * 0.001F + static_cast<float>(iy) * 1.7F;
     }
   }
   return raster;
@@ -64,7 +57,7 @@ TEST(GeoTiff, ValuesNanAndGeoreferencingComeBackExactly) {
   const RasterProduct raster = make_raster(701, 1033);
   const auto written = write_cog(raster, "EPSG:7854", folder / "a.tif");
   ASSERT_TRUE(written) << message(written);
-  const Dataset dataset = open(folder / "a.tif");
+  const testing::Dataset dataset = open(folder / "a.tif");
   ASSERT_NE(dataset, nullptr);
   ASSERT_EQ(dataset->GetRasterXSize(), 701);
   ASSERT_EQ(dataset->GetRasterYSize(), 1033);
@@ -90,7 +83,7 @@ TEST(GeoTiff, BandCarriesNodataUnitDescriptionAndUserText) {
   GeoTiffOptions options;
   options.metadata = {{"scan_date", "2019-02-11"}, {"block", "a <&> \"b\""}};
   ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "a.tif", options));
-  const Dataset dataset = open(folder / "a.tif");
+  const testing::Dataset dataset = open(folder / "a.tif");
   ASSERT_EQ(dataset->GetRasterCount(), 1);
   GDALRasterBand* band = dataset->GetRasterBand(1);
   EXPECT_EQ(band->GetRasterDataType(), GDT_Float32);
@@ -109,15 +102,15 @@ TEST(GeoTiff, StatisticsStandInsideTheFileAndAreThoseOfTheValidCells) {
   const TemporaryFolder folder;
   // 1 … n over a high base: mean (n+1)/2, population variance (n²−1)/12; a quarter of the cells is NaN.
   const int n = 300;
-  RasterProduct raster{"ground", "m", "ground", Grid2<float>({0, 0}, 1, 40, 10, nanf_value)};
+  RasterProduct raster{"ground", "m", "ground", Grid2<float>({0, 0}, 1, 40, 10, kNanFloat)};
   for (int i = 0; i < n; ++i) raster.grid.values[static_cast<std::size_t>(i)] = static_cast<float>(100000 + i + 1);
   ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "g.tif"));
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"g.qml", "g.tif"}));
-  const Dataset dataset = open(folder / "g.tif");
+  const testing::Dataset dataset = open(folder / "g.tif");
   GDALRasterBand* band = dataset->GetRasterBand(1);
   const auto item = [band](const char* key) {
     const char* text = band->GetMetadataItem(key);
-    return text == nullptr ? testing::nan_value : std::atof(text);
+    return text == nullptr ? testing::kNan : std::atof(text);
   };
   EXPECT_EQ(item("STATISTICS_MINIMUM"), 100001);
   EXPECT_EQ(item("STATISTICS_MAXIMUM"), 100300);
@@ -141,10 +134,10 @@ TEST(GeoTiff, OverviewsAreMeansOfTheCellsThatHaveValues) {
   std::mt19937 random(7);
   // Multiples of 1/64 below 8: sums of four are exact in float, so the mean must be exact.
   for (float& value : raster.grid.values) value = static_cast<float>(random() % 512) / 64.0F;
-  for (int ix = 0; ix < 6; ++ix) raster.grid.at(ix, 0) = nanf_value;  // lower cells of three blocks of four
-  for (int ix = 2; ix < 6; ++ix) raster.grid.at(ix, 1) = nanf_value;  // two of these wholly
+  for (int ix = 0; ix < 6; ++ix) raster.grid.at(ix, 0) = kNanFloat;  // lower cells of three blocks of four
+  for (int ix = 2; ix < 6; ++ix) raster.grid.at(ix, 1) = kNanFloat;  // two of these wholly
   ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "a.tif"));
-  const Dataset dataset = open(folder / "a.tif");
+  const testing::Dataset dataset = open(folder / "a.tif");
   GDALRasterBand* band = dataset->GetRasterBand(1);
   ASSERT_GE(band->GetOverviewCount(), 2);
   ASSERT_EQ(band->GetOverview(0)->GetXSize(), nx / 2);
@@ -158,7 +151,7 @@ TEST(GeoTiff, OverviewsAreMeansOfTheCellsThatHaveValues) {
         const float cell = raster.grid.at(2 * ox + k % 2, 2 * oy + k / 2);
         if (!std::isnan(cell)) sum += cell, ++count;
       }
-      const float expected = count == 0 ? nanf_value : sum / static_cast<float>(count);
+      const float expected = count == 0 ? kNanFloat : sum / static_cast<float>(count);
       const float got = coarse[static_cast<std::size_t>(oy) * (nx / 2) + static_cast<std::size_t>(ox)];
       ASSERT_TRUE(same(got, expected)) << ox << "," << oy << ": " << got << " instead of " << expected;
       if (oy > 0) fine_sum += static_cast<double>(sum), coarse_sum += 4.0 * static_cast<double>(got);
@@ -183,10 +176,10 @@ TEST(GeoTiff, PassesTheCogValidatorInEverySizeAndOption) {
 
 TEST(GeoTiff, ARasterWithoutAnyValueIsValidToo) {
   const TemporaryFolder folder;
-  const RasterProduct raster{"plan_density", "m2/m2", "", Grid2<float>({0, 0}, 1, 600, 600, nanf_value)};
+  const RasterProduct raster{"plan_density", "m2/m2", "", Grid2<float>({0, 0}, 1, 600, 600, kNanFloat)};
   ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "n.tif"));
   expect_valid_cog(folder / "n.tif");
-  const Dataset dataset = open(folder / "n.tif");
+  const testing::Dataset dataset = open(folder / "n.tif");
   EXPECT_EQ(dataset->GetRasterBand(1)->GetMetadataItem("STATISTICS_MEAN"), nullptr);
   for (const float value : read_northwards(*dataset->GetRasterBand(1))) ASSERT_TRUE(std::isnan(value));
 }
@@ -317,7 +310,7 @@ TEST(GeoTiff, ThePlainProfileIsUncompressedAndWithoutOverviews) {
   GeoTiffOptions options;
   options.profile = GeoTiffOptions::Profile::plain;
   ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "p.tif", options));
-  const Dataset dataset = open(folder / "p.tif");
+  const testing::Dataset dataset = open(folder / "p.tif");
   EXPECT_EQ(dataset->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE"), nullptr);
   EXPECT_EQ(dataset->GetRasterBand(1)->GetOverviewCount(), 0);
   const std::vector<float> values = read_northwards(*dataset->GetRasterBand(1));
@@ -331,7 +324,7 @@ TEST(GeoTiff, ASectionLiesInALocalFrameInMetres) {
   const auto written = write_section_cog(section, folder / "s.tif");
   ASSERT_TRUE(written) << message(written);
   expect_valid_cog(folder / "s.tif");
-  const Dataset dataset = open(folder / "s.tif");
+  const testing::Dataset dataset = open(folder / "s.tif");
   const OGRSpatialReference* crs = dataset->GetSpatialRef();
   ASSERT_NE(crs, nullptr);
   EXPECT_TRUE(crs->IsLocal());

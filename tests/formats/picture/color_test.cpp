@@ -47,7 +47,7 @@ TEST(Color, LightnessIsMonotonicAndEqualStepsLookEqual) {
 TEST(Color, ZeroIsLightAndNanIsTransparent) {
   const ColorScale scale = product_scale("plan_density", 2, 3);
   EXPECT_GT(lab(color_at(scale, 0))[0], 95);
-  EXPECT_EQ(color_at(scale, testing::nan_value).a, 0);
+  EXPECT_EQ(color_at(scale, testing::kNan).a, 0);
 }
 
 TEST(Color, ValuesBeyondTheScaleTakeTheEndColoursAndStopsAreHitExactly) {
@@ -70,7 +70,7 @@ TEST(Color, DensityScalesDoNotDependOnTheDataAndGroundTakesWholeMetres) {
   EXPECT_EQ(ground.high, 84);
   const ColorScale flat = product_scale("ground", 82, 82);
   EXPECT_LT(flat.low, flat.high);
-  const ColorScale empty = product_scale("ground", testing::nan_value, testing::nan_value);
+  const ColorScale empty = product_scale("ground", testing::kNan, testing::kNan);
   EXPECT_LT(empty.low, empty.high);
 }
 
@@ -78,7 +78,7 @@ TEST(Color, TicksAreRoundAndStayInside) {
   EXPECT_EQ(nice_ticks(0, 8, 8), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(nice_ticks(-0.9, 0.9, 4), (std::vector<double>{-0.5, 0, 0.5}));
   EXPECT_TRUE(nice_ticks(1, 1, 5).empty());
-  EXPECT_TRUE(nice_ticks(0, testing::nan_value, 5).empty());
+  EXPECT_TRUE(nice_ticks(0, testing::kNan, 5).empty());
   EXPECT_EQ(tick_text(0.30000000000000004, 0.1), "0.3");
   EXPECT_EQ(tick_text(-0.0, 1), "0");
   EXPECT_EQ(tick_text(-20, 10), "-20");

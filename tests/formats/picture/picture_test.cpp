@@ -17,15 +17,15 @@ using Eigen::Vector2d;
 using testing::Blob;
 using testing::find;
 using testing::Image;
+using testing::kNanFloat;
 using testing::make_block;
 using testing::message;
-using testing::nanf_value;
 using testing::read_file;
 using testing::read_png;
 using testing::TemporaryFolder;
 
 /// Share of the width from the left, to leave out the legend.
-constexpr double without_legend = 0.8;
+constexpr double kWithoutLegend = 0.8;
 
 /// A scale whose every value differs from the greys around the map; the value between two stops is not on the ramp's
 /// ends.
@@ -36,7 +36,7 @@ RasterProduct flat(int nx, int ny, float value) {
 }
 
 /// The legend's bar shows every colour once; blocks of cells are far larger.
-constexpr int more_than_the_legend = 200;
+constexpr int kMoreThanTheLegend = 200;
 
 TEST(PlanPicture, ShowsEachValueInItsColourWithNorthUpAndEastRight) {
   const TemporaryFolder folder;
@@ -54,20 +54,20 @@ TEST(PlanPicture, ShowsEachValueInItsColourWithNorthUpAndEastRight) {
   const Image image = read_png(folder / "p.png");
   const Blob nw = find(image, color_at(scale, 2)), ne = find(image, color_at(scale, 4)),
              sw = find(image, color_at(scale, 6));
-  ASSERT_GT(nw.count, more_than_the_legend);
-  ASSERT_GT(ne.count, more_than_the_legend);
-  ASSERT_GT(sw.count, more_than_the_legend);
+  ASSERT_GT(nw.count, kMoreThanTheLegend);
+  ASSERT_GT(ne.count, kMoreThanTheLegend);
+  ASSERT_GT(sw.count, kMoreThanTheLegend);
   EXPECT_LT(nw.x, ne.x);
   EXPECT_LT(nw.y, sw.y);
   EXPECT_NEAR(nw.x, sw.x, 0.05 * image.width);
-  EXPECT_GT(find(image, color_at(scale, 0)).count, 10 * more_than_the_legend);
+  EXPECT_GT(find(image, color_at(scale, 0)).count, 10 * kMoreThanTheLegend);
 }
 
 TEST(PlanPicture, CellsThatWereNotScannedAreHatchedGreyNotColoured) {
   const TemporaryFolder folder;
   RasterProduct raster = flat(80, 60, 0);
   for (int iy = 20; iy < 40; ++iy) {
-    for (int ix = 20; ix < 60; ++ix) raster.grid.at(ix, iy) = nanf_value;
+    for (int ix = 20; ix < 60; ++ix) raster.grid.at(ix, iy) = kNanFloat;
   }
   PictureOptions options;
   options.crop_to_data = false;
@@ -75,7 +75,7 @@ TEST(PlanPicture, CellsThatWereNotScannedAreHatchedGreyNotColoured) {
   ASSERT_TRUE(write_plan_picture(raster, {}, folder / "p.png", options));
   const Image image = read_png(folder / "p.png");
   // Zero covers the raster but for the hole; the hole's middle is the middle of that area.
-  const Blob zero = find(image, color_at(scale, 0), without_legend);
+  const Blob zero = find(image, color_at(scale, 0), kWithoutLegend);
   const int cx = (zero.low_x + zero.high_x) / 2, cy = (zero.low_y + zero.high_y) / 2;
   int lightest = 0, darkest = 255;
   for (int y = cy - 20; y < cy + 20; ++y) {
@@ -123,13 +123,13 @@ TEST(PlanPicture, OverlaysLieOnTheCellsTheyBelongTo) {
   }
   const Vector2d middle = raster.grid.origin + 0.5 * Vector2d(62, 42);
   ASSERT_TRUE(write_plan_picture(raster, {}, folder / "without.png"));
-  const Blob cells = find(read_png(folder / "without.png"), color_at(scale, 6), without_legend);
+  const Blob cells = find(read_png(folder / "without.png"), color_at(scale, 6), kWithoutLegend);
   PlanOverlay overlay;
   overlay.markers.push_back({middle, {255, 0, 255, 255}, 4});
   ASSERT_TRUE(write_plan_picture(raster, overlay, folder / "with.png"));
   const Blob marker = find(read_png(folder / "with.png"), {255, 0, 255, 255});
   ASSERT_GT(marker.count, 20);
-  ASSERT_GT(cells.count, more_than_the_legend);
+  ASSERT_GT(cells.count, kMoreThanTheLegend);
   EXPECT_NEAR(marker.x, (cells.low_x + cells.high_x + 1) / 2.0, 1.0);
   EXPECT_NEAR(marker.y, (cells.low_y + cells.high_y + 1) / 2.0, 1.0);
 }
@@ -157,7 +157,7 @@ TEST(PlanPicture, HasTheWidthAskedForStaysUnderTheHeightAndRepeatsByteForByte) {
 
 TEST(PlanPicture, ARasterWithoutValuesStillGivesAMap) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_plan_picture(flat(10, 10, nanf_value), {}, folder / "p.png"));
+  ASSERT_TRUE(write_plan_picture(flat(10, 10, kNanFloat), {}, folder / "p.png"));
   EXPECT_GT(read_png(folder / "p.png").width, 400);
 }
 
@@ -176,7 +176,7 @@ TEST(PlanPicture, WrongInputIsRefused) {
   const auto code = [](const Result<void>& result) { return result ? ErrorCode{} : result.error().code; };
   EXPECT_EQ(code(write_plan_picture(PlanOverlay{}, folder / "p.png")), ErrorCode::usage);
   PlanOverlay broken;
-  broken.markers.push_back({Vector2d(testing::nan_value, 0), {}, 3});
+  broken.markers.push_back({Vector2d(testing::kNan, 0), {}, 3});
   EXPECT_EQ(code(write_plan_picture(broken, folder / "p.png")), ErrorCode::usage);
   PictureOptions options;
   options.width_px = 10;
