@@ -87,7 +87,7 @@ Result<void> append_table(const CLI::App& command, const toml::table& table, con
         return fail(ErrorCode::usage, "bad configuration", where, "this option is either true or false", "");
       continue;
     }
-    for (const std::string& value : values) out.push_back("--" + name + "=" + value);
+    for (const std::string& value : values) out.push_back(fmt::format("--{}={}", name, value));
   }
   return {};
 }

@@ -137,8 +137,9 @@ Result<std::vector<std::byte>> encode_arrays(const ArraySet& arrays) {
   }
   std::vector<CompressedColumn> compressed;
   compressed.reserve(arrays.columns.size());
-  for (const auto& [name, array] : arrays.columns)
-    compressed.push_back(std::visit([&](const auto& values) { return compress_column(name, values); }, array));
+  for (const auto& column : arrays.columns)
+    compressed.push_back(
+        std::visit([&](const auto& values) { return compress_column(column.first, values); }, column.second));
   std::vector<ImageColumn> columns;
   for (CompressedColumn& c : compressed) columns.push_back(std::move(c.column));
   return build_image(header, columns);

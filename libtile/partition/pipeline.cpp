@@ -73,7 +73,8 @@ Result<bool> Pipeline::distribute(Item& item, bool jobs_outstanding, std::vector
 
 bool Pipeline::try_encode(Lock& lock) {
   if (chunk_jobs_.empty() || encoding_ >= plan_.encoders) return false;
-  auto [job, index] = std::move(chunk_jobs_.front());
+  ChunkJob job = std::move(chunk_jobs_.front().first);
+  const TileIndex index = chunk_jobs_.front().second;
   chunk_jobs_.pop_front();
   ++encoding_;
   std::optional<std::uint32_t> complete;

@@ -1,5 +1,7 @@
 #include "rayfield/tile/derived_writer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -89,7 +91,8 @@ struct DerivedWriter::Impl {
       const std::string sha256 = sha256_hex(*bytes);
       if (name != layout::derived_file_name(what.name, what.key, sha256)) continue;
       writer.touch(directory);
-      return DerivedEntry{what.kind, what.name, what.key, {directory + "/" + name, bytes->size(), sha256}};
+      return DerivedEntry{
+          what.kind, what.name, what.key, {fmt::format("{}/{}", directory, name), bytes->size(), sha256}};
     }
     return std::nullopt;
   }
