@@ -68,7 +68,10 @@ Result<void> write_in_pieces(const FileDescriptor& file, std::span<const std::by
 
 Result<void> sync_directory(const std::filesystem::path& directory) {
   if (const int error = fault::point("fsync-directory")) return fail_io(error, "cannot write", directory);
-  if (auto synced = rayfield::sync_directory(directory.string(), "cannot write"); !synced)
+  // Stricter than core's: a store promises durable names, so a file system that cannot sync folders is an error.
+  const FileDescriptor folder(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.valid()) return fail_io(errno, "cannot write", directory);
+  if (auto synced = sync_file(folder, "cannot write", directory.string()); !synced)
     return tl::make_unexpected(as_write_failure(std::move(synced).error()));
   return {};
 }

@@ -52,7 +52,7 @@ struct OptionDescription {
 
 namespace option_fields {
 
-// What a visitor can do with one field of each kind. Visitors derive from it and say what a field means to them.
+// How ranges and values are written in messages and documentation.
 std::string range_text(const OptionRange& range);
 std::string number_text(double value);
 
