@@ -6,6 +6,7 @@
 set(RAYFIELD_MAY_USE_core "")
 set(RAYFIELD_MAY_USE_slam "core")
 set(RAYFIELD_MAY_USE_tile "core")
+set(RAYFIELD_MAY_USE_align "core")
 set(RAYFIELD_MAY_USE_density "core;tile")
 set(RAYFIELD_MAY_USE_formats "core")
 set(RAYFIELD_MAY_USE_sim "core")

@@ -45,6 +45,12 @@ struct ScanProduct {
   std::string name;
   std::string start_utc, end_utc;
   std::uint64_t ray_count = 0;
+  // How the scan was moved onto the block's reference; NaN where that is not known.
+  double offset_e_m = 0, offset_n_m = 0, offset_h_m = 0;  ///< of its middle
+  double yaw_mrad = 0;                                    ///< from east to north
+  double residual_m = 0;                                  ///< of posts and trunks in plan, rms
+  int landmarks = 0;                                      ///< matched posts and trunks
+  bool aligned = true;                                    ///< false: it lies where its positioning put it
 };
 
 /// One panel on one date. Areas are one-sided.
