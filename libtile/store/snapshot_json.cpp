@@ -1,6 +1,11 @@
 #include "libtile/store/snapshot_json.h"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "libtile/files/store_layout.h"
 
@@ -36,23 +41,63 @@ Json derived_json(const DerivedEntry& derived) {
   return {{"kind", derived.kind}, {"name", derived.name}, {"key", derived.key}, {"file", file_json(derived.file)}};
 }
 
+// What is not known (NaN) has no place in JSON: the key is left out.
+constexpr std::pair<const char*, double ScanAlignment::*> kAlignmentNumbers[] = {
+    {"yaw_rad", &ScanAlignment::yaw_rad},
+    {"warp_rms_m", &ScanAlignment::warp_rms_m},
+    {"residual_m", &ScanAlignment::residual_m},
+    {"ground_residual_m", &ScanAlignment::ground_residual_m},
+    {"shared_fraction", &ScanAlignment::shared_fraction},
+    {"margin", &ScanAlignment::margin}};
+
+constexpr std::pair<AlignmentVerdict, const char*> kVerdicts[] = {{AlignmentVerdict::reference, "reference"},
+                                                                  {AlignmentVerdict::aligned, "aligned"},
+                                                                  {AlignmentVerdict::unaligned, "unaligned"}};
+
+Json alignment_json(const ScanAlignment& alignment) {
+  Json json = {{"verdict", verdict_name(alignment.verdict)},
+               {"offset_m", {alignment.offset_m.x(), alignment.offset_m.y(), alignment.offset_m.z()}},
+               {"pivot_m", {alignment.pivot_m.x(), alignment.pivot_m.y()}},
+               {"landmarks", alignment.landmarks}};
+  for (const auto& [key, member] : kAlignmentNumbers)
+    if (std::isfinite(alignment.*member)) json[key] = alignment.*member;
+  return json;
+}
+
+ScanAlignment parse_alignment(const Json& json) {
+  ScanAlignment alignment;
+  const std::string verdict = json.at("verdict").get<std::string>();
+  const auto known = std::find_if(std::begin(kVerdicts), std::end(kVerdicts),
+                                  [&](const auto& entry) { return verdict == entry.second; });
+  if (known == std::end(kVerdicts)) throw std::runtime_error("alignment '" + verdict + "' is not known");
+  alignment.verdict = known->first;
+  for (int i = 0; i < 3; ++i) alignment.offset_m[i] = json.at("offset_m").at(i).get<double>();
+  for (int i = 0; i < 2; ++i) alignment.pivot_m[i] = json.at("pivot_m").at(i).get<double>();
+  alignment.landmarks = json.at("landmarks").get<int>();
+  for (const auto& [key, member] : kAlignmentNumbers)
+    alignment.*member = json.value(key, std::numeric_limits<double>::quiet_NaN());
+  return alignment;
+}
+
 Json scan_json(const ScanEntry& scan) {
   Json inputs = Json::array(), tiles = Json::array(), derived = Json::array();
   for (const InputEntry& i : scan.inputs) inputs.push_back({{"name", i.name}, {"size", i.size}, {"sha256", i.sha256}});
   for (const TileEntry& t : scan.tiles) tiles.push_back(tile_json(t));
   for (const DerivedEntry& d : scan.derived) derived.push_back(derived_json(d));
-  return {{"scan_id", scan.scan_id},
-          {"date", scan.date},
-          {"name", scan.name},
-          {"inputs", std::move(inputs)},
-          {"rays", scan.ray_count},
-          {"hits", scan.hit_count},
-          {"start_time_s", scan.start_time_s},
-          {"end_time_s", scan.end_time_s},
-          {"origin_bounds", box_json(scan.origin_bounds)},
-          {"warnings", scan.warnings},
-          {"tiles", std::move(tiles)},
-          {"derived", std::move(derived)}};
+  Json json = {{"scan_id", scan.scan_id},
+               {"date", scan.date},
+               {"name", scan.name},
+               {"inputs", std::move(inputs)},
+               {"rays", scan.ray_count},
+               {"hits", scan.hit_count},
+               {"start_time_s", scan.start_time_s},
+               {"end_time_s", scan.end_time_s},
+               {"origin_bounds", box_json(scan.origin_bounds)},
+               {"warnings", scan.warnings}};
+  if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
+  json["tiles"] = std::move(tiles);
+  json["derived"] = std::move(derived);
+  return json;
 }
 
 FileEntry parse_file(const Json& json) {
@@ -103,6 +148,7 @@ ScanEntry parse_scan(const Json& json) {
   scan.end_time_s = json.at("end_time_s").get<double>();
   scan.origin_bounds = parse_box(json.at("origin_bounds"));
   scan.warnings = json.at("warnings").get<std::vector<std::string>>();
+  if (json.contains("alignment")) scan.alignment = parse_alignment(json.at("alignment"));
   for (const Json& t : json.at("tiles")) scan.tiles.push_back(parse_tile(t));
   for (const Json& d : json.at("derived")) scan.derived.push_back(parse_derived(d));
   return scan;
@@ -126,6 +172,12 @@ Result<T> parse_document(const Json& json, const char* format, const std::string
 }
 
 }  // namespace
+
+std::string verdict_name(AlignmentVerdict verdict) {
+  for (const auto& [value, name] : kVerdicts)
+    if (value == verdict) return name;
+  return {};
+}
 
 Json to_json(const Snapshot& snapshot) {
   Json scans = Json::array(), registry = Json::array();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct AddOptions {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bound on what the partition pass holds
   std::string command;                                  ///< for `rayfield log`
   std::vector<InputEntry> inputs;
+  std::optional<ScanAlignment> alignment;  ///< how the rays were moved; kept with the scan
 };
 
 /// What Store::add() did.

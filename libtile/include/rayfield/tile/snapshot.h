@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,29 @@ struct InputEntry {
   std::string sha256;
 };
 
+enum class AlignmentVerdict {
+  reference,  ///< the first scan: the others are laid on it
+  aligned,    ///< moved onto the block's reference
+  unaligned,  ///< left where its positioning put it, as asked for
+};
+
+/// "reference", "aligned" or "unaligned".
+std::string verdict_name(AlignmentVerdict verdict);
+
+/// How a scan was moved onto its block's reference before its rays were put into tiles. NaN = not known.
+struct ScanAlignment {
+  AlignmentVerdict verdict = AlignmentVerdict::reference;
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< (east, north, height) of the scan's middle
+  Eigen::Vector2d pivot_m = Eigen::Vector2d::Zero();   ///< that middle before, about which it was turned
+  double yaw_rad = 0;                                  ///< from east to north
+  double warp_rms_m = 0;                               ///< of the smooth warp at the landmarks; 0 = none
+  double residual_m = 0;                               ///< of matched posts and trunks in plan, rms
+  double ground_residual_m = 0;                        ///< of the ground's height, median
+  double shared_fraction = 0;                          ///< posts and trunks that both show, where both looked
+  double margin = 0;                                   ///< log-likelihood above the next best place
+  int landmarks = 0;                                   ///< matched posts and trunks
+};
+
 struct ScanEntry {
   std::string scan_id;  ///< date, or date_name; unique in the store and usable as a folder name
   std::string date;     ///< YYYY-MM-DD
@@ -57,6 +81,7 @@ struct ScanEntry {
   double start_time_s = 0, end_time_s = 0;  ///< Unix time
   Eigen::AlignedBox3d origin_bounds;        ///< of the ray origins, m
   std::vector<std::string> warnings;        ///< what the reader left out
+  std::optional<ScanAlignment> alignment;   ///< absent in stores of earlier versions
   std::vector<TileEntry> tiles;             ///< ordered by index
   std::vector<DerivedEntry> derived;        ///< ordered by kind and name
 };
