@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libdensity/ground/ground_arrays.h"
 #include "libdensity/pipeline/layout_products.h"
@@ -25,7 +26,19 @@ tl::unexpected<Error> not_processed(const std::string& where) {
 }
 
 ScanProduct describe(const tile::ScanEntry& scan) {
-  return {scan.scan_id, scan.date, scan.name, utc_text(scan.start_time_s), utc_text(scan.end_time_s), scan.ray_count};
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  ScanProduct product{scan.scan_id,  scan.date, scan.name, utc_text(scan.start_time_s), utc_text(scan.end_time_s),
+                      scan.ray_count};
+  const tile::ScanAlignment alignment = scan.alignment.value_or(
+      tile::ScanAlignment{tile::AlignmentVerdict::unaligned, Eigen::Vector3d::Constant(kUnknown)});
+  const bool moved = alignment.verdict == tile::AlignmentVerdict::aligned;
+  product.offset_e_m = alignment.offset_m.x(), product.offset_n_m = alignment.offset_m.y();
+  product.offset_h_m = alignment.offset_m.z();
+  product.yaw_mrad = scan.alignment ? 1e3 * alignment.yaw_rad : kUnknown;
+  product.residual_m = moved ? alignment.residual_m : kUnknown;
+  product.landmarks = alignment.landmarks;
+  product.aligned = alignment.verdict != tile::AlignmentVerdict::unaligned;
+  return product;
 }
 
 // Half the width of the widest canopy, from the panels' values; posts alone give a slim panel.

@@ -1,6 +1,7 @@
 #pragma once
 
 /// libdensity: from the tiles of a block to canopy density. What programs need of it:
+#include "rayfield/density/landmarks.h"       // what of a block does not grow, to lay scans on each other
 #include "rayfield/density/layout_options.h"  // options of the stages up to the block's layout
 #include "rayfield/density/load.h"            // what process() left in the store, as products
 #include "rayfield/density/missing_rays.h"    // restores the rays that clouds leave out
