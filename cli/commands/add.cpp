@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/console/alignment_text.h"
+#include "cli/console/option_settings.h"
 #include "cli/console/text.h"
 #include "cli/jobs/add_scan.h"
 #include "cli/jobs/drive_log.h"
@@ -15,7 +17,7 @@ namespace {
 
 struct AddArguments {
   std::string store, date, name;
-  std::vector<std::string> files;
+  std::vector<std::string> files, settings;
   ScanInputs inputs;
 };
 
@@ -53,6 +55,8 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
   ScanInputs inputs = arguments.inputs;
   inputs.files.assign(arguments.files.begin(), arguments.files.end());
+  RAYFIELD_CHECK(apply_settings(arguments.settings, inputs.align_options));
+  RAYFIELD_CHECK(inputs.align_options.validate());
   if (context.options.dry_run) return describe_add(store, inputs, context.progress);
   RAYFIELD_ASSIGN(const AddedScan added, add_scan(store, inputs, options, context.progress));
   const tile::AddReport& report = added.report;
@@ -77,6 +81,10 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   }
   outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
                              report.tile_count, bytes_text(report.bytes_written));
+  if (added.alignment) {
+    outcome.data["alignment"] = alignment_json(*added.alignment);
+    outcome.text += fmt::format("  {}\n", alignment_text(*added.alignment));
+  }
   for (const std::string& warning : report.warnings)
     if (std::find(added.shown_warnings.begin(), added.shown_warnings.end(), warning) == added.shown_warnings.end())
       context.progress.warn(warning);
@@ -103,8 +111,11 @@ void add_add_command(Commands& commands) {
       "--restore-missing,!--no-restore-missing", arguments->inputs.restore_missing,
       "Put back the downward rays without a return that clouds leave out, from the beams' timing (docs/density.md; "
       "the default)");
+  command->add_flag("--align,!--no-align", arguments->inputs.align,
+                    "Lay the scan on the block's reference by posts, trunks and ground (docs/seasons.md; the default)");
   command->add_flag("--allow-truncated", arguments->inputs.allow_truncated,
                     "Take what is there of a cloud that was cut short");
+  add_settings_option(*command, arguments->settings);
 }
 
 }  // namespace rayfield::cli

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "rayfield/align/options.h"
 #include "rayfield/core/option_fields.h"
 #include "rayfield/density/process.h"
 #include "rayfield/slam/slam.h"
@@ -20,7 +21,9 @@ std::string markdown_table(const std::vector<OptionDescription>& fields) {
 
 Result<Outcome> run_options(const std::string& wanted) {
   const std::vector<std::pair<std::string, std::vector<OptionDescription>>> commands{
-      {"process", describe_options<density::ProcessOptions>()}, {"slam", describe_options<slam::SlamOptions>()}};
+      {"process", describe_options<density::ProcessOptions>()},
+      {"slam", describe_options<slam::SlamOptions>()},
+      {"add", describe_options<align::AlignOptions>()}};
   Outcome outcome;
   outcome.data = nlohmann::ordered_json::object();
   for (const auto& [command, fields] : commands) {
@@ -40,7 +43,8 @@ void add_options_command(Commands& commands) {
   CLI::App* command =
       commands.add("options", "List the options that --set and configuration files take, with defaults and ranges",
                    "rayfield options process", [wanted](Context&) { return run_options(*wanted); });
-  command->add_option("COMMAND", *wanted, "process or slam (default: both)")->check(CLI::IsMember({"process", "slam"}));
+  command->add_option("COMMAND", *wanted, "process, slam or add (default: all)")
+      ->check(CLI::IsMember({"process", "slam", "add"}));
 }
 
 }  // namespace rayfield::cli

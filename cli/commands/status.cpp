@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "cli/commands/commands.h"
 #include "cli/commands/store_command.h"
+#include "cli/console/alignment_text.h"
 #include "cli/console/text.h"
 #include "rayfield/core/date.h"
 #include "rayfield/tile/tile.h"
@@ -10,6 +13,11 @@ namespace rayfield::cli {
 namespace {
 
 using nlohmann::ordered_json;
+
+bool is_processed(const tile::ScanEntry& scan) {
+  return std::any_of(scan.derived.begin(), scan.derived.end(),
+                     [](const tile::DerivedEntry& entry) { return entry.kind == "results"; });
+}
 
 ordered_json scan_json(const tile::ScanEntry& scan) {
   std::uint64_t bytes = 0, segments = 0;
@@ -20,7 +28,7 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
   }
   ordered_json derived = ordered_json::object();
   for (const tile::DerivedEntry& entry : scan.derived) derived[entry.kind] = derived.value(entry.kind, 0) + 1;
-  return {
+  ordered_json json = {
       {"scan_id", scan.scan_id},
       {"date", scan.date},
       {"name", scan.name},
@@ -34,6 +42,8 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
       {"bytes_per_ray", scan.ray_count > 0 ? static_cast<double>(bytes) / static_cast<double>(scan.ray_count) : 0.0},
       {"derived", derived},
       {"warnings", scan.warnings}};
+  if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
+  return json;
 }
 
 }  // namespace
@@ -55,7 +65,8 @@ Result<Outcome> store_status(const std::string& folder) {
     outcome.text +=
         fmt::format("  {}  {} rays in {} tiles, {} ({:.1f} B/ray){}\n", scan.scan_id, grouped(scan.ray_count),
                     scan.tiles.size(), bytes_text(entry["ray_bytes"].get<std::uint64_t>()),
-                    entry["bytes_per_ray"].get<double>(), scan.derived.empty() ? ", not processed" : ", processed");
+                    entry["bytes_per_ray"].get<double>(), is_processed(scan) ? ", processed" : ", not processed");
+    if (scan.alignment) outcome.text += fmt::format("    {}\n", alignment_text(*scan.alignment));
     for (const std::string& warning : scan.warnings) outcome.text += fmt::format("    note: {}\n", warning);
     outcome.data["scans"].push_back(entry);
   }

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "cli/jobs/align_scan.h"
 #include "cli/jobs/drive_log.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/parallel.h"
@@ -112,6 +113,16 @@ Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, 
   return entries;
 }
 
+// A scan that shall not be aligned is the reference all the same where it is the first.
+Result<ScanPlacement> place(tile::Store& store, RaySource& rays, const ScanInputs& inputs,
+                            const tile::AddOptions& options, Progress& progress) {
+  if (inputs.align) return place_scan(store, rays, inputs.align_options, options, progress);
+  RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  ScanPlacement placement;
+  if (!snapshot.scans.empty()) placement.record.verdict = tile::AlignmentVerdict::unaligned;
+  return placement;
+}
+
 }  // namespace
 
 Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
@@ -123,7 +134,7 @@ Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
 Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {
   RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads, progress));
   RAYFIELD_ASSIGN(auto there, store.find_added(options));
-  if (there) return AddedScan{std::move(*there), {}};
+  if (there) return AddedScan{std::move(*there), {}, {}};
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
@@ -134,8 +145,11 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   JoinedSource rays(std::move(parts), warnings);
   RAYFIELD_ASSIGN(const auto restored, density::MissingRaySource::create(rays, {}));
   RaySource& source = inputs.restore_missing ? static_cast<RaySource&>(*restored) : rays;
-  Result<tile::AddReport> report = store.add(source, options, progress);
-  if (report) return AddedScan{std::move(*report), std::move(warnings)};
+  RAYFIELD_ASSIGN(const ScanPlacement placement, place(store, source, inputs, options, progress));
+  options.alignment = placement.record;
+  const auto aligned = placement.alignment ? align::open_aligned(source, *placement.alignment) : nullptr;
+  Result<tile::AddReport> report = store.add(aligned ? *aligned : source, options, progress);
+  if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};
   if (report.error().code == ErrorCode::bad_input)
     for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
   return tl::make_unexpected(std::move(report).error());

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "rayfield/align/options.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
@@ -18,6 +20,8 @@ struct ScanInputs {
   std::string rig_file;                      ///< for the logs
   bool allow_truncated = false;              ///< take what is there of a cloud that was cut short
   bool restore_missing = true;               ///< put back the downward rays without a return that clouds leave out
+  bool align = true;                         ///< lay it on the block's reference
+  align::AlignOptions align_options = {};
 };
 
 /// Errors: usage where a log is given without a rig file.
@@ -26,7 +30,8 @@ Result<void> require_rig(const std::filesystem::path& log, const ScanInputs& inp
 /// A scan that was added.
 struct AddedScan {
   tile::AddReport report;
-  std::vector<std::string> shown_warnings;  ///< those of the report's warnings that were shown when they arose
+  std::optional<tile::ScanAlignment> alignment;  ///< nothing for a scan that was there already
+  std::vector<std::string> shown_warnings;       ///< those of the report's warnings that were shown when they arose
 };
 
 /// Adds clouds and logs (which are registered first) to a store as one scan. `options.inputs` is filled here.

@@ -1,0 +1,90 @@
+#include "cli/jobs/align_scan.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <optional>
+
+#include "rayfield/density/landmarks.h"
+
+namespace rayfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder inside the store's tmp/ that is gone afterwards; what a killed process leaves is found by gc.
+class ScratchFolder {
+ public:
+  static Result<ScratchFolder> create(const fs::path& parent) {
+    std::error_code failed;
+    fs::create_directories(parent, failed);
+    std::string path = (parent / "align.XXXXXX").string();
+    if (failed || ::mkdtemp(path.data()) == nullptr)
+      return fail_errno(failed ? failed.value() : errno, "cannot make folder", path);
+    return ScratchFolder(path);
+  }
+  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ScratchFolder& operator=(ScratchFolder&&) = delete;
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {}
+  fs::path path_;
+};
+
+Result<BlockLandmarks> landmarks_of(RaySource& rays, const tile::Store& store, const tile::AddOptions& options,
+                                    const density::ProcessOptions& process, Progress& progress) {
+  RAYFIELD_ASSIGN(const ScratchFolder scratch, ScratchFolder::create(store.folder() / "tmp"));
+  RAYFIELD_ASSIGN(tile::Store tiles, tile::Store::create(scratch.path() / "tiles", store.config()));
+  RAYFIELD_ASSIGN(const tile::AddReport added, tiles.add(rays, options, progress));
+  return density::find_landmarks(tiles, added.scan_id, process, progress);
+}
+
+tile::ScanAlignment record_of(const align::Alignment& alignment) {
+  tile::ScanAlignment record;
+  record.verdict = tile::AlignmentVerdict::aligned;
+  record.offset_m = alignment.shift.shift;
+  record.pivot_m = alignment.shift.pivot;
+  record.yaw_rad = alignment.shift.yaw_rad;
+  record.warp_rms_m = alignment.warp_rms_m;
+  record.residual_m = alignment.residual_rms_m;
+  record.ground_residual_m = alignment.ground_residual_m;
+  record.shared_fraction = alignment.shared_fraction;
+  record.margin = alignment.margin;
+  record.landmarks = alignment.landmarks;
+  return record;
+}
+
+}  // namespace
+
+Result<ScanPlacement> place_scan(tile::Store& store, RaySource& rays, const align::AlignOptions& align_options,
+                                 const tile::AddOptions& options, Progress& progress) {
+  density::ProcessOptions process;
+  process.threads = options.threads, process.memory_bytes = options.memory_bytes;
+  RAYFIELD_ASSIGN(const auto reference, density::reference_landmarks(store, process, options.command, progress));
+  if (!reference) return ScanPlacement{};
+  auto landmarks = landmarks_of(rays, store, options, process, progress);
+  if (!landmarks) {
+    if (landmarks.error().code == ErrorCode::bad_input)
+      landmarks.error().why += "; scans of a block are laid on each other by rows, posts and trunks";
+    return tl::make_unexpected(std::move(landmarks).error());
+  }
+  RAYFIELD_ASSIGN(const bool rewound, rays.rewind());
+  if (!rewound)
+    return fail(ErrorCode::usage, "cannot align the scan", rays.name(), "it cannot be read twice",
+                "give a file, or --no-align");
+  ScanPlacement placement;
+  RAYFIELD_ASSIGN(placement.alignment, align::align_landmarks(*reference, *landmarks, align_options, rays.name()));
+  placement.record = record_of(*placement.alignment);
+  return placement;
+}
+
+}  // namespace rayfield::cli

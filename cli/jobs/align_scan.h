@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "rayfield/align/align.h"
+#include "rayfield/core/progress.h"
+#include "rayfield/core/ray_source.h"
+#include "rayfield/core/result.h"
+#include "rayfield/tile/store.h"
+
+namespace rayfield::cli {
+
+/// How a scan lies on its block: what the store keeps of it, and the move itself where it has to be moved.
+struct ScanPlacement {
+  tile::ScanAlignment record;
+  std::optional<align::Alignment> alignment;
+};
+
+/// Lays the rays, which are read once and rewound, on the reference of the store's block: they are put into tiles of a
+/// scratch store inside its folder, where posts, trunks and ground are found. The first scan of a store is the
+/// reference itself. Errors: bad_input (another block, two places that fit alike, no rows found), others of
+/// Store::add().
+Result<ScanPlacement> place_scan(tile::Store& store, RaySource& rays, const align::AlignOptions& align_options,
+                                 const tile::AddOptions& options, Progress& progress);
+
+}  // namespace rayfield::cli
