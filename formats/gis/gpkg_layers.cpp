@@ -142,6 +142,8 @@ Result<void> fill_scans(const OpenGeoPackage& package, const BlockProducts& bloc
     Row out(*layer);
     out.text(scan.scan_id).date(scan.scan_date).text(scan.name).time(scan.start_utc).time(scan.end_utc);
     out.integer(static_cast<std::int64_t>(scan.ray_count));
+    out.real(scan.offset_e_m).real(scan.offset_n_m).real(scan.offset_h_m).real(scan.yaw_mrad).real(scan.residual_m);
+    out.integer(scan.landmarks).integer(scan.aligned ? 1 : 0);
     RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};

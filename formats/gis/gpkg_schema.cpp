@@ -65,7 +65,14 @@ Table scan_table() {
            {"name", OFTString, "name given by the user"},
            {"start_utc", OFTDateTime, "time of the first ray, UTC"},
            {"end_utc", OFTDateTime, "time of the last ray, UTC"},
-           {"ray_count", OFTInteger64, "rays in the scan"}}};
+           {"ray_count", OFTInteger64, "rays in the scan"},
+           {"offset_e_m", OFTReal, "how far the scan's middle was moved east onto the block's reference, m"},
+           {"offset_n_m", OFTReal, "how far it was moved north, m"},
+           {"offset_h_m", OFTReal, "how far it was moved up, m"},
+           {"yaw_mrad", OFTReal, "how far it was turned, from east to north, mrad"},
+           {"residual_m", OFTReal, "distance in plan of posts and trunks from those of the reference, rms, m"},
+           {"landmarks", OFTInteger, "posts and trunks that both show"},
+           {"aligned", OFTInteger, "1: it lies on the reference, 0: it lies where its positioning put it"}}};
 }
 
 Table panel_value_table() {
