@@ -8,6 +8,7 @@
 #include "cli/jobs/add_scan.h"
 #include "cli/jobs/export_block.h"
 #include "cli/jobs/simulation.h"
+#include "cli/jobs/truth_comparison.h"
 #include "demo_site.h"
 #include "rayfield/density/density.h"
 
@@ -37,23 +38,49 @@ Result<void> clear_folders(const DemoFolders& folders, const CommonOptions& opti
   return {};
 }
 
-// The chain of commands that a user would type, on clouds with true poses.
-Result<std::vector<fs::path>> map_scans(const DemoFolders& folders, const std::string& crs,
-                                        const std::vector<SimulatedScan>& scans, const Context& context) {
+// The chain of commands that a user would type: every log through SLAM, laid on the first date, mapped.
+Result<tile::Store> build_block(const DemoFolders& folders, const std::string& crs,
+                                const std::vector<SimulatedScan>& scans, const Context& context) {
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::create(folders.block, {.crs = crs}));
   for (const SimulatedScan& scan : scans) {
+    const fs::path log = scan.folder / "scan.bag", rig = scan.folder / "rig.toml";
     tile::AddOptions options;
     options.date = scan.date, options.name = scan.name;
     options.threads = context.options.threads, options.memory_bytes = context.options.memory_bytes;
-    options.command = fmt::format("rayfield add {} {} --date {}", folders.block.string(),
-                                  (scan.folder / "rays.ply").string(), scan.date);
-    RAYFIELD_CHECK(add_scan(store, {.files = {scan.folder / "rays.ply"}}, options, context.progress));
+    options.command = fmt::format("rayfield add {} {} --rig {} --date {}", folders.block.string(), log.string(),
+                                  rig.string(), scan.date);
+    RAYFIELD_CHECK(add_scan(store, {.files = {log}, .rig_file = rig.string()}, options, context.progress));
   }
   density::ProcessOptions process;
   process.threads = context.options.threads;
   RAYFIELD_CHECK(
       density::process(store, process, fmt::format("rayfield process {}", folders.block.string()), context.progress));
-  return export_block(store, folders.maps, {}, context.progress);
+  return store;
+}
+
+// What was measured beside what is true, one line per date.
+Result<void> report_truth(const tile::Store& store, const std::vector<SimulatedScan>& scans, Outcome& outcome) {
+  RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, {}));
+  outcome.data["dates"] = nlohmann::ordered_json::array();
+  outcome.text += "Measured from the logs against the simulation's truth:\n";
+  for (std::size_t i = 0; i < scans.size() && i < block.scans.size(); ++i) {
+    const TruthComparison c = compare_with_truth(block, block.scans[i], scans[i].panels);
+    outcome.data["dates"].push_back({{"scan_id", block.scans[i].scan.scan_id},
+                                     {"panels", c.panels},
+                                     {"plant_area_m2", c.plant_area_m2},
+                                     {"true_plant_area_m2", c.true_plant_area_m2},
+                                     {"plant_rrmse", c.plant_rrmse},
+                                     {"leaf_area_m2", c.leaf_area_m2},
+                                     {"true_leaf_area_m2", c.true_leaf_area_m2},
+                                     {"leaf_rms_m2", c.leaf_rms_m2}});
+    outcome.text += fmt::format(
+        "  {}  plant area {:6.1f} m² (true {:6.1f}, panels to {:4.1f} %)   leaf area {:6.1f} m² (true {:6.1f}, panels "
+        "to {:.2f} m²)\n",
+        scans[i].date, c.plant_area_m2, c.true_plant_area_m2, 100 * c.plant_rrmse, c.leaf_area_m2, c.true_leaf_area_m2,
+        c.leaf_rms_m2);
+  }
+  return {};
 }
 
 Result<Outcome> run_demo(const std::string& folder, const Context& context) {
@@ -68,23 +95,27 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
     return outcome;
   }
   RAYFIELD_ASSIGN(const auto scans,
-                  simulate_site(site, folders.logs, {.log = true, .rays = true, .threads = context.options.threads},
+                  simulate_site(site, folders.logs, {.log = true, .rays = false, .threads = context.options.threads},
                                 context.progress));
-  RAYFIELD_ASSIGN(const auto written, map_scans(folders, site.crs_code(), scans, context));
+  RAYFIELD_ASSIGN(const tile::Store store, build_block(folders, site.crs_code(), scans, context));
+  RAYFIELD_ASSIGN(const auto written, export_block(store, folders.maps, {}, context.progress));
 
   const std::string logs = folders.logs.string(), block = folders.block.string(), maps = folders.maps.string();
   outcome.data = {
       {"folder", folder}, {"logs", logs}, {"store", block}, {"maps", maps}, {"files", nlohmann::ordered_json::array()}};
   for (const fs::path& path : written) outcome.data["files"].push_back(path.string());
   outcome.text = fmt::format(
-      "\nThe demonstration block is mapped.\n"
+      "\nThe demonstration block is mapped: three drives, each from its raw log through SLAM, laid on the first.\n"
       "  logs and truth   {}\n"
       "  tile store       {}\n"
-      "  maps             {}\n\n"
-      "Open in QGIS: {}/demo_block.gpkg (layer panel_by_date comes coloured)\n"
+      "  maps             {}\n\n",
+      logs, block, maps);
+  RAYFIELD_CHECK(report_truth(store, scans, outcome));
+  outcome.text += fmt::format(
+      "\nOpen in QGIS: {}/demo_block.gpkg (layer panel_by_date comes coloured)\n"
       "         and: {}/demo_block_{}_plan_density.tif\n"
       "Look at:      {}/demo_block_{}_plan_density.png\n",
-      logs, block, maps, maps, maps, scans.back().date, maps, scans.back().date);
+      maps, maps, scans.back().date, maps, scans.back().date);
   return outcome;
 }
 

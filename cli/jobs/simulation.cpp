@@ -61,7 +61,7 @@ class BagSink : public SensorSink {
 Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, const std::filesystem::path& folder,
                                     const SimulationOutput& output, Progress& progress) {
   const sim::SiteDate& date = site.dates[index];
-  SimulatedScan scan{folder / scan_folder_name(date), date.date, date.name, {}, 0};
+  SimulatedScan scan{folder / scan_folder_name(date), date.date, date.name, {}, 0, {}};
   std::error_code failed;
   std::filesystem::create_directories(scan.folder, failed);
   if (failed) return fail_errno(failed.value(), "cannot make folder", scan.folder.string());
@@ -71,6 +71,7 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
   RAYFIELD_ASSIGN(const sim::Truth truth, sim::truth(world, drive));
   RAYFIELD_CHECK(sim::write_truth(truth, scan.folder / "truth"));
   scan.leaf_area_m2 = truth.leaf_area_m2;
+  scan.panels = truth.panels;
 
   const Rig rig = sim::site_rig(site);
   std::optional<formats::SensorLogWriter> log;

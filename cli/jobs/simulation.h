@@ -23,6 +23,7 @@ struct SimulatedScan {
   std::string date, name;
   sim::SimulationSummary summary;
   double leaf_area_m2 = 0;
+  std::vector<sim::Truth::Panel> panels;  ///< with their true areas
 };
 
 /// Folder of a date under the output folder: `2019-02-11` or `2019-02-11_name`.
