@@ -26,6 +26,7 @@ std::vector<const FileEntry*> Snapshot::files() const {
       for (const FileEntry& file : tile.more_files) files.push_back(&file);
     }
     for (const DerivedEntry& derived : scan.derived) files.push_back(&derived.file);
+    for (const AttachmentEntry& attachment : scan.attachments) files.push_back(&attachment.file);
   }
   for (const DerivedEntry& derived : registry) files.push_back(&derived.file);
   return files;

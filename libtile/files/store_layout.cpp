@@ -24,6 +24,15 @@ std::string tile_file_name(TileIndex index, const std::string& sha256) {
   return fmt::format("{}_{}.{}.h5", index.ix, index.iy, sha256.substr(0, kDigestShown));
 }
 
+std::string attachment_directory(const std::string& scan_id) {
+  return fmt::format("{}/{}/{}", kScans, scan_id, kAttachments);
+}
+
+std::string attachment_file_name(const std::string& name, const std::string& sha256) {
+  const std::size_t dot = std::min(name.find('.'), name.size());
+  return fmt::format("{}.{}{}", name.substr(0, dot), sha256.substr(0, kDigestShown), name.substr(dot));
+}
+
 std::string derived_directory(const std::string& scan_id, const std::string& kind) {
   if (scan_id.empty()) return fmt::format("{}/{}", kRegistry, kind);
   return fmt::format("{}/{}/{}", kScans, scan_id, kind);

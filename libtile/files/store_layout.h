@@ -17,9 +17,13 @@ inline constexpr const char* kSnapshots = "snapshots";
 inline constexpr const char* kScans = "scans";
 inline constexpr const char* kRegistry = "registry";
 inline constexpr const char* kRays = "rays";
+inline constexpr const char* kAttachments = "files";
 
 std::string rays_directory(const std::string& scan_id);
 std::string tile_file_name(TileIndex index, const std::string& sha256);
+std::string attachment_directory(const std::string& scan_id);
+/// "slam.json" → "slam.<sha16>.json": what opens the one opens the other.
+std::string attachment_file_name(const std::string& name, const std::string& sha256);
 /// `scan_id` empty: the registry.
 std::string derived_directory(const std::string& scan_id, const std::string& kind);
 /// The part of a derived file's name that its name and key determine.

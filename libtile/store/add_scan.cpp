@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <span>
 
 #include "libtile/files/durable_writer.h"
 #include "libtile/files/file_io.h"
@@ -60,7 +62,7 @@ std::vector<std::string> warnings_of(const RaySource& rays, const RayStatistics&
 }
 
 ScanEntry scan_entry(const AddOptions& options, const std::string& scan_id, const PartitionResult& result,
-                     std::vector<std::string> warnings) {
+                     std::vector<std::string> warnings, std::vector<AttachmentEntry> attachments) {
   const RayStatistics& statistics = result.statistics;
   ScanEntry scan;
   scan.scan_id = scan_id;
@@ -78,6 +80,7 @@ ScanEntry scan_entry(const AddOptions& options, const std::string& scan_id, cons
                               kUnitsPerMetre);
   scan.warnings = std::move(warnings);
   scan.tiles = result.tiles;
+  scan.attachments = std::move(attachments);
   return scan;
 }
 
@@ -93,7 +96,32 @@ AddReport report_of(const ScanEntry& scan) {
     report.bytes_written += tile.file.size;
     for (const FileEntry& file : tile.more_files) report.bytes_written += file.size;
   }
+  for (const AttachmentEntry& attachment : scan.attachments) report.bytes_written += attachment.file.size;
   return report;
+}
+
+Result<void> check_attachments(const std::vector<NewAttachment>& attachments) {
+  std::set<std::string> names;
+  for (const NewAttachment& attachment : attachments)
+    if (!layout::is_plain_name(attachment.name) || !names.insert(attachment.name).second)
+      return fail(ErrorCode::internal, "cannot keep a file with the scan", attachment.name,
+                  "names must be plain and different");
+  return {};
+}
+
+Result<std::vector<AttachmentEntry>> write_attachments(DurableWriter& writer, const std::string& scan_id,
+                                                       const std::vector<NewAttachment>& attachments) {
+  std::vector<AttachmentEntry> entries;
+  for (const NewAttachment& attachment : attachments) {
+    RAYFIELD_ASSIGN(FileEntry file, writer.write(std::as_bytes(std::span(attachment.bytes)),
+                                                 layout::attachment_directory(scan_id), [&](const std::string& sha256) {
+                                                   return layout::attachment_file_name(attachment.name, sha256);
+                                                 }));
+    entries.push_back({attachment.name, std::move(file)});
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const AttachmentEntry& a, const AttachmentEntry& b) { return a.name < b.name; });
+  return entries;
 }
 
 tl::unexpected<Error> date_taken(const std::filesystem::path& store, const std::string& scan_id) {
@@ -143,6 +171,7 @@ Result<AddReport> add_scan(const OpenStore& open_store, RaySource& rays, const A
     return fail(ErrorCode::usage, "cannot add the scan", "memory",
                 fmt::format("{} MB are too few", options.memory_bytes >> 20U),
                 fmt::format("give at least {} MB", PartitionOptions::kLeastMemory >> 20U));
+  RAYFIELD_CHECK(check_attachments(options.attachments));
   RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(store));
   RAYFIELD_ASSIGN(const Snapshot before, latest_snapshot(store));
   const Standing standing = standing_of(before, scan_id, options);
@@ -163,9 +192,15 @@ Result<AddReport> add_scan(const OpenStore& open_store, RaySource& rays, const A
     return tl::make_unexpected(partitioned.error());
   }
   const PartitionResult& result = *partitioned;
+  auto attachments = write_attachments(writer, scan_id, options.attachments);
+  if (!attachments) {
+    writer.discard_new_files();
+    return tl::make_unexpected(std::move(attachments).error());
+  }
   RAYFIELD_CHECK(writer.sync_directories());
 
-  const ScanEntry scan = scan_entry(options, scan_id, result, warnings_of(rays, result.statistics));
+  const ScanEntry scan =
+      scan_entry(options, scan_id, result, warnings_of(rays, result.statistics), std::move(*attachments));
   bool lost = false;
   RAYFIELD_ASSIGN(const Snapshot published,
                   publish(store, options.command, [&](const Snapshot& latest) -> Result<std::optional<Snapshot>> {

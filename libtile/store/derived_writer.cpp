@@ -40,7 +40,7 @@ bool same(const std::vector<DerivedEntry>& a, const std::vector<DerivedEntry>& b
 Result<void> check_names(const NewDerived& what) {
   const bool good = (what.scan_id.empty() || layout::is_plain_name(what.scan_id)) && layout::is_plain_name(what.kind) &&
                     layout::is_plain_name(what.name) && layout::is_plain_name(what.key) && what.key.size() >= 16 &&
-                    !(what.kind == layout::kRays && !what.scan_id.empty());
+                    !((what.kind == layout::kRays || what.kind == layout::kAttachments) && !what.scan_id.empty());
   if (good) return {};
   return fail(ErrorCode::internal, "cannot store derived data", what.kind + "/" + what.name,
               "kind, name and key must be plain names and the key a digest");

@@ -80,10 +80,12 @@ ScanAlignment parse_alignment(const Json& json) {
 }
 
 Json scan_json(const ScanEntry& scan) {
-  Json inputs = Json::array(), tiles = Json::array(), derived = Json::array();
+  Json inputs = Json::array(), tiles = Json::array(), derived = Json::array(), attachments = Json::array();
   for (const InputEntry& i : scan.inputs) inputs.push_back({{"name", i.name}, {"size", i.size}, {"sha256", i.sha256}});
   for (const TileEntry& t : scan.tiles) tiles.push_back(tile_json(t));
   for (const DerivedEntry& d : scan.derived) derived.push_back(derived_json(d));
+  for (const AttachmentEntry& a : scan.attachments)
+    attachments.push_back({{"name", a.name}, {"file", file_json(a.file)}});
   Json json = {{"scan_id", scan.scan_id},
                {"date", scan.date},
                {"name", scan.name},
@@ -97,6 +99,7 @@ Json scan_json(const ScanEntry& scan) {
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
   json["tiles"] = std::move(tiles);
   json["derived"] = std::move(derived);
+  json["attachments"] = std::move(attachments);
   return json;
 }
 
@@ -151,6 +154,9 @@ ScanEntry parse_scan(const Json& json) {
   if (json.contains("alignment")) scan.alignment = parse_alignment(json.at("alignment"));
   for (const Json& t : json.at("tiles")) scan.tiles.push_back(parse_tile(t));
   for (const Json& d : json.at("derived")) scan.derived.push_back(parse_derived(d));
+  if (json.contains("attachments"))  // stores from before have none
+    for (const Json& a : json.at("attachments"))
+      scan.attachments.push_back({a.at("name").get<std::string>(), parse_file(a.at("file"))});
   return scan;
 }
 

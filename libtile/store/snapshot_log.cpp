@@ -66,6 +66,15 @@ Result<Snapshot> load_snapshot(const std::filesystem::path& store, std::uint64_t
   return snapshot;
 }
 
+Result<Snapshot> existing_snapshot(const std::filesystem::path& store, std::uint64_t number) {
+  RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(store));
+  if (std::binary_search(numbers.begin(), numbers.end(), number)) return load_snapshot(store, number);
+  const std::string there =
+      numbers.empty() ? std::string("the store has none yet")
+                      : "the store has " + std::to_string(numbers.front()) + " to " + std::to_string(numbers.back());
+  return fail(ErrorCode::usage, "unknown snapshot", std::to_string(number), there, "see `rayfield log`");
+}
+
 Result<std::vector<Snapshot>> all_snapshots(const std::filesystem::path& store) {
   RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(store));
   std::vector<Snapshot> snapshots;

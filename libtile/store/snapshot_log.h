@@ -15,6 +15,8 @@ namespace rayfield::tile {
 Result<std::vector<std::uint64_t>> snapshot_numbers(const std::filesystem::path& store);
 std::filesystem::path snapshot_path(const std::filesystem::path& store, std::uint64_t number);
 Result<Snapshot> load_snapshot(const std::filesystem::path& store, std::uint64_t number);
+/// The same for a number that a user gave. Errors: usage, with the numbers that there are.
+Result<Snapshot> existing_snapshot(const std::filesystem::path& store, std::uint64_t number);
 Result<std::vector<Snapshot>> all_snapshots(const std::filesystem::path& store);
 /// Number 0 and empty where there is none yet.
 Result<Snapshot> latest_snapshot(const std::filesystem::path& store);

@@ -17,6 +17,8 @@
 #include "libtile/store/add_scan.h"
 #include "libtile/store/garbage.h"
 #include "libtile/store/open_store.h"
+#include "libtile/store/remove_scan.h"
+#include "libtile/store/revert.h"
 #include "libtile/store/snapshot_json.h"
 #include "libtile/store/snapshot_log.h"
 #include "libtile/store/verify.h"
@@ -131,11 +133,23 @@ std::string Store::block_name() const {
 Result<Snapshot> Store::latest() const { return latest_snapshot(store_->folder); }
 Result<std::vector<Snapshot>> Store::history() const { return all_snapshots(store_->folder); }
 
+Result<Snapshot> Store::snapshot(std::uint64_t number) const { return existing_snapshot(store_->folder, number); }
+
 Result<AddReport> Store::add(RaySource& rays, const AddOptions& options, Progress& progress) {
   return add_scan(*store_, rays, options, progress);
 }
 Result<std::optional<AddReport>> Store::find_added(const AddOptions& options) const {
   return find_added_scan(store_->folder, options);
+}
+
+Result<RemoveReport> Store::remove(const std::string& scan, const std::string& command) {
+  return remove_scan(store_->folder, scan, command);
+}
+Result<std::string> Store::find_scan_to_remove(const std::string& scan) const {
+  return find_scan_to_remove_in(store_->folder, scan);
+}
+Result<RevertReport> Store::revert(std::uint64_t number, const std::string& command) {
+  return revert_store(store_->folder, number, command);
 }
 
 Result<TileReader> Store::open_tile(const TileEntry& tile) const { return TileReader::open(*store_, tile); }
@@ -146,6 +160,11 @@ Result<ArraySet> Store::read_derived(const DerivedEntry& entry) const {
   RAYFIELD_ASSIGN(ArraySet arrays, decode_arrays(bytes, path.string()));
   if (arrays.kind != entry.kind) return file_damaged(path, "it holds '" + arrays.kind + "', not '" + entry.kind + "'");
   return arrays;
+}
+
+Result<std::string> Store::read_attachment(const AttachmentEntry& entry) const {
+  RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, store_->files.read(entry.file));
+  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
 Result<DerivedWriter> Store::write_derived() { return DerivedWriter::open(store_); }

@@ -1,5 +1,5 @@
-// Makes a store, or opens it, and commits to it: `store_fault_writer STORE add|scatter|derive`. The exit code is that
-// of the error, which is printed. The same arguments always ask for the same result.
+// Makes a store, or opens it, and commits to it: `store_fault_writer STORE add|add:DATE|scatter|derive|remove|revert`.
+// The exit code is that of the error, which is printed. The same arguments always ask for the same result.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -52,13 +52,14 @@ class ScatteredScan : public RaySource {
   std::size_t next_ = 0;
 };
 
-Result<void> add(tile::Store& store, RaySource&& rays) {
+Result<void> add(tile::Store& store, RaySource&& rays, const std::string& date = "2019-02-11") {
   tile::AddOptions options;
-  options.date = "2019-02-11";
+  options.date = date;
   options.threads = 1;
   options.memory_bytes = std::uint64_t{128} << 20;
   options.command = "add";
   options.inputs = {{"small.ply", 1, sha256_hex("small")}};
+  options.attachments = {{"slam.json", std::string(5000, 'j')}, {"trajectory.tum.bz2", std::string(300000, 't')}};
   Progress progress;
   RAYFIELD_CHECK(store.add(rays, options, progress));
   return {};
@@ -90,7 +91,16 @@ Result<void> run(const std::string& folder, const std::string& what) {
   config.crs = "EPSG:7854";
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::create(folder, config));
   if (what == "add") return add(store, SmallScan());
+  if (what.starts_with("add:")) return add(store, SmallScan(), what.substr(4));
   if (what == "scatter") return add(store, ScatteredScan());
+  if (what == "remove") {
+    RAYFIELD_CHECK(store.remove("2019-02-11", "remove"));
+    return {};
+  }
+  if (what == "revert") {
+    RAYFIELD_CHECK(store.revert(1, "revert"));
+    return {};
+  }
   return derive(store);
 }
 

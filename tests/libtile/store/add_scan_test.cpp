@@ -244,6 +244,41 @@ TEST_F(Add, ADriveTakesAtMostTwentyBytesPerRay) {
   EXPECT_LE(static_cast<double>(report->bytes_written) / static_cast<double>(report->ray_count), 20.0);
 }
 
+TEST_F(Add, FilesAreKeptWithTheScanAndReadBack) {
+  AddOptions options = add_options();
+  const std::string report(3000, 'r');
+  options.attachments = {{"trajectory.tum.bz2", std::string("t\0x", 3)}, {"slam.json", report}};
+  const auto added = add(store_, simulated_drive(1000), options);
+  ASSERT_TRUE(added) << added.error().line();
+  const Snapshot snapshot = *store_.latest();
+  const auto& attachments = snapshot.scans.at(0).attachments;
+  ASSERT_EQ(attachments.size(), 2U);
+  EXPECT_EQ(attachments[0].name, "slam.json") << "ordered by name";
+  EXPECT_EQ(*store_.read_attachment(attachments[0]), report);
+  EXPECT_EQ(*store_.read_attachment(attachments[1]), std::string("t\0x", 3));
+  EXPECT_TRUE(attachments[1].file.path.starts_with("scans/2019-02-11/files/trajectory.")) << attachments[1].file.path;
+  EXPECT_TRUE(attachments[1].file.path.ends_with(".tum.bz2"));
+  std::uint64_t bytes = 0;
+  for (const FileEntry* file : snapshot.files()) bytes += file->size;
+  EXPECT_EQ(added->bytes_written, bytes) << "they count";
+
+  EXPECT_EQ(store_.gc(false).value(), 0U) << "they are named";
+  flip_bit(store_.folder() / attachments[0].file.path, 5);
+  const auto damage = damage_of(store_);
+  ASSERT_EQ(damage.size(), 1U);
+  EXPECT_EQ(damage[0].path, attachments[0].file.path);
+  EXPECT_EQ(store_.read_attachment(attachments[0]).error().code, ErrorCode::damaged);
+}
+
+TEST_F(Add, FilesWithNamesThatLeaveTheFolderOrOccurTwiceAreRefused) {
+  for (const auto& names : std::vector<std::vector<std::string>>{{"../a"}, {"a/b"}, {""}, {".a"}, {"a", "a"}}) {
+    AddOptions options = add_options();
+    for (const std::string& name : names) options.attachments.push_back({name, "x"});
+    EXPECT_FALSE(add(store_, simulated_drive(10), options)) << names[0];
+  }
+  EXPECT_EQ(store_.latest()->number, 0U);
+}
+
 TEST(AddScan, AScanThatCannotFitIsRefusedBeforeAnyWork) {
   ScratchFolder folder;
   Store store = make_store(folder.path() / "block");

@@ -32,6 +32,7 @@ Snapshot sample_snapshot() {
   tile.bounds.extend(Eigen::Vector3d(1, 2, 3));
   scan.tiles = {tile};
   scan.derived = {{"ground", "block", "key", {"scans/x/ground/c.h5", 1, "01"}}};
+  scan.attachments = {{"slam.json", {"scans/x/files/slam.e.json", 3, "03"}}};
   snapshot.scans = {scan};
   snapshot.registry = {{"rows", "block", "key", {"registry/rows/d.h5", 2, "02"}}};
   return snapshot;
@@ -48,15 +49,28 @@ TEST(SnapshotJson, EverythingComesBackAndTextIsStable) {
   EXPECT_EQ(back->scans[0].tiles[0].index, (TileIndex{-3, 7}));
   EXPECT_EQ(back->scans[0].tiles[0].more_files.size(), 1U);
   EXPECT_EQ(back->scans[0].tiles[0].bounds.max(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(back->scans[0].attachments.at(0).name, "slam.json");
+  EXPECT_EQ(back->scans[0].attachments[0].file.size, 3U);
   EXPECT_EQ(back->registry[0].file.path, "registry/rows/d.h5");
   EXPECT_NE(back->find_scan("2019-02-11_veraison"), nullptr);
   EXPECT_EQ(back->find_scan("2019-02-11"), nullptr);
+}
+
+TEST(SnapshotJson, AScanFromBeforeFilesWereKeptHasNone) {
+  auto json = to_json(sample_snapshot());
+  json["scans"][0].erase("attachments");
+  const auto back = snapshot_from_json(json, "x");
+  ASSERT_TRUE(back) << back.error().line();
+  EXPECT_TRUE(back->scans[0].attachments.empty());
 }
 
 TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   for (const char* path : {"/etc/passwd", "../other/tile.h5", "scans/../../x", ""}) {
     Snapshot snapshot = sample_snapshot();
     snapshot.scans[0].tiles[0].file.path = path;
+    Snapshot attached = sample_snapshot();
+    attached.scans[0].attachments[0].file.path = path;
+    EXPECT_FALSE(snapshot_from_json(to_json(attached), "x")) << path;
     const auto back = snapshot_from_json(to_json(snapshot), "x");
     ASSERT_FALSE(back) << path;
     EXPECT_EQ(back.error().code, ErrorCode::damaged);

@@ -9,6 +9,12 @@
 
 namespace rayfield::tile {
 
+/// A file to keep with a scan.
+struct NewAttachment {
+  std::string name;  ///< letters, digits, '.', '_', '-'; "slam.json"
+  std::string bytes;
+};
+
 /// How a scan is added to a store.
 struct AddOptions {
   std::string date;                                     ///< YYYY-MM-DD
@@ -19,6 +25,7 @@ struct AddOptions {
   std::string command;                                  ///< for `rayfield log`
   std::vector<InputEntry> inputs;
   std::optional<ScanAlignment> alignment;  ///< how the rays were moved; kept with the scan
+  std::vector<NewAttachment> attachments;
 };
 
 /// What Store::add() did.

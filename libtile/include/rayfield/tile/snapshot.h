@@ -42,6 +42,12 @@ struct DerivedEntry {
   FileEntry file;
 };
 
+/// A file kept with a scan as it was given: the SLAM report, the trajectory.
+struct AttachmentEntry {
+  std::string name;  ///< "slam.json"; unique in the scan
+  FileEntry file;
+};
+
 /// Where a scan came from.
 struct InputEntry {
   std::string name;  ///< file name, without its folder
@@ -78,12 +84,13 @@ struct ScanEntry {
   std::string name;     ///< the user's own, may be empty
   std::vector<InputEntry> inputs;
   std::uint64_t ray_count = 0, hit_count = 0;
-  double start_time_s = 0, end_time_s = 0;  ///< Unix time
-  Eigen::AlignedBox3d origin_bounds;        ///< of the ray origins, m
-  std::vector<std::string> warnings;        ///< what the reader left out
-  std::optional<ScanAlignment> alignment;   ///< absent in stores of earlier versions
-  std::vector<TileEntry> tiles;             ///< ordered by index
-  std::vector<DerivedEntry> derived;        ///< ordered by kind and name
+  double start_time_s = 0, end_time_s = 0;   ///< Unix time
+  Eigen::AlignedBox3d origin_bounds;         ///< of the ray origins, m
+  std::vector<std::string> warnings;         ///< what the reader left out
+  std::optional<ScanAlignment> alignment;    ///< absent in stores of earlier versions
+  std::vector<TileEntry> tiles;              ///< ordered by index
+  std::vector<DerivedEntry> derived;         ///< ordered by kind and name
+  std::vector<AttachmentEntry> attachments;  ///< ordered by name
 };
 
 /// The whole truth at one moment.

@@ -23,6 +23,20 @@ struct Damage {
   std::string path, reason;
 };
 
+/// What Store::remove() did.
+struct RemoveReport {
+  std::string scan_id;
+  std::uint64_t snapshot = 0;  ///< the newest one now
+  bool already_gone = false;   ///< an earlier command has removed the scan: nothing was done
+};
+
+/// What Store::revert() did.
+struct RevertReport {
+  std::uint64_t snapshot = 0;      ///< the newest one now
+  bool already_there = false;      ///< the newest snapshot had that content already: nothing was done
+  std::vector<std::string> scans;  ///< that the store holds now
+};
+
 struct OpenStore;
 
 /// The tile store of one block: a folder of immutable files and numbered snapshots (docs/store-format.md).
@@ -40,6 +54,8 @@ class Store {
   /// The newest complete snapshot (number 0 and empty for a new store).
   Result<Snapshot> latest() const;
   Result<std::vector<Snapshot>> history() const;
+  /// One snapshot by its number. Errors: usage, when there is none of that number; damaged.
+  Result<Snapshot> snapshot(std::uint64_t number) const;
 
   /// Partitions a stream of rays into tiles and publishes them as a scan. Memory stays below options.memory_bytes.
   Result<AddReport> add(RaySource& rays, const AddOptions& options, Progress& progress);
@@ -48,11 +64,23 @@ class Store {
   /// when it may be added. Errors: usage, when another scan has the same id. Worth asking before costly preparations.
   Result<std::optional<AddReport>> find_added(const AddOptions& options) const;
 
+  /// Publishes a snapshot without a scan, named by its id or by a date on which there is one alone. Its files stay:
+  /// older snapshots name them, and revert() brings the scan back. Errors: usage (no such scan, several of that date),
+  /// locked.
+  Result<RemoveReport> remove(const std::string& scan, const std::string& command);
+  /// The id of the scan that remove() would remove. Errors: as remove().
+  Result<std::string> find_scan_to_remove(const std::string& scan) const;
+  /// Publishes a snapshot with the content of an older one. Nothing is deleted, so that this can be reverted too.
+  /// Errors: usage (no such snapshot), damaged (files of it are gone; names them), locked.
+  Result<RevertReport> revert(std::uint64_t number, const std::string& command);
+
   using TileReader = tile::TileReader;
   /// Checks the tile's files. Errors: damaged.
   Result<TileReader> open_tile(const TileEntry& tile) const;
 
   Result<ArraySet> read_derived(const DerivedEntry& entry) const;
+  /// A file kept with a scan. Errors: damaged.
+  Result<std::string> read_attachment(const AttachmentEntry& entry) const;
 
   using DerivedWriter = tile::DerivedWriter;
   /// Takes the writer's lock; ErrorCode::locked when another process holds it.
