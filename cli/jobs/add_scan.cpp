@@ -147,6 +147,7 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   RaySource& source = inputs.restore_missing ? static_cast<RaySource&>(*restored) : rays;
   RAYFIELD_ASSIGN(const ScanPlacement placement, place(store, source, inputs, options, progress));
   options.alignment = placement.record;
+  options.attachments.push_back({"alignment.json", alignment_file(placement)});
   const auto aligned = placement.alignment ? align::open_aligned(source, *placement.alignment) : nullptr;
   Result<tile::AddReport> report = store.add(aligned ? *aligned : source, options, progress);
   if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};

@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "rayfield/density/landmarks.h"
 
@@ -85,6 +87,34 @@ Result<ScanPlacement> place_scan(tile::Store& store, RaySource& rays, const alig
   RAYFIELD_ASSIGN(placement.alignment, align::align_landmarks(*reference, *landmarks, align_options, rays.name()));
   placement.record = record_of(*placement.alignment);
   return placement;
+}
+
+std::string alignment_file(const ScanPlacement& placement) {
+  const tile::ScanAlignment& record = placement.record;
+  nlohmann::ordered_json json = {{"verdict", tile::verdict_name(record.verdict)},
+                                 {"pivot_m", {record.pivot_m.x(), record.pivot_m.y()}},
+                                 {"offset_m", {record.offset_m.x(), record.offset_m.y(), record.offset_m.z()}},
+                                 {"yaw_rad", record.yaw_rad}};
+  if (!placement.alignment) return json.dump(1) + "\n";
+  const align::Alignment& alignment = *placement.alignment;
+  json["landmarks"] = alignment.landmarks;
+  json["residual_m"] = alignment.residual_rms_m;
+  json["rivals"] = nlohmann::ordered_json::array();
+  for (const align::Rival& rival : alignment.rivals)
+    json["rivals"].push_back({{"along_rows_m", rival.along_rows_m},
+                              {"across_rows_m", rival.across_rows_m},
+                              {"turn_rad", rival.turn_rad},
+                              {"log_ratio", rival.log_ratio}});
+  const align::Warp& warp = alignment.warp;
+  if (warp.empty()) return json.dump(1) + "\n";
+  nlohmann::ordered_json control = nlohmann::ordered_json::array();
+  for (const Eigen::Vector3d& c : warp.control) control.push_back({c.x(), c.y(), c.z()});
+  json["warp"] = {{"origin_m", {warp.origin.x(), warp.origin.y()}},
+                  {"spacing_m", warp.spacing_m},
+                  {"nx", warp.nx},
+                  {"ny", warp.ny},
+                  {"control_m", std::move(control)}};
+  return json.dump(1) + "\n";
 }
 
 }  // namespace rayfield::cli

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "rayfield/align/align.h"
 #include "rayfield/core/progress.h"
@@ -22,5 +24,9 @@ struct ScanPlacement {
 /// Store::add().
 Result<ScanPlacement> place_scan(tile::Store& store, RaySource& rays, const align::AlignOptions& align_options,
                                  const tile::AddOptions& options, Progress& progress);
+
+/// alignment.json, which is kept with the scan: the record, the warp, and the other places that were weighed, so that a
+/// point of the log's own map can be moved as the scan was (docs/seasons.md).
+std::string alignment_file(const ScanPlacement& placement);
 
 }  // namespace rayfield::cli
