@@ -16,7 +16,7 @@ namespace rayfield::cli {
 namespace {
 
 struct AddArguments {
-  std::string store, date, name;
+  std::string store, date, name, dormant;
   std::vector<std::string> files, settings;
   ScanInputs inputs;
 };
@@ -48,6 +48,7 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   tile::AddOptions options;
   RAYFIELD_ASSIGN(options.date, parse_date(arguments.date));
   options.name = arguments.name;
+  if (!arguments.dormant.empty()) options.dormant = arguments.dormant == "yes";
   options.overwrite = context.options.overwrite;
   options.threads = context.options.threads;
   options.memory_bytes = context.options.memory_bytes;
@@ -76,7 +77,10 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
       {"dropped", report.dropped},
       {"warnings", report.warnings}};
   if (report.already_there) {
-    outcome.text = fmt::format("{}: already in the store, with the same content; nothing to do\n", report.scan_id);
+    outcome.text = fmt::format(
+        "{}: already in the store, with the same content; nothing to do{}\n", report.scan_id,
+        options.dormant ? " but to take it as " + std::string(*options.dormant ? "" : "not ") + "dormant from now on"
+                        : "");
     return outcome;
   }
   outcome.text = fmt::format("{}: {} rays in {} tiles, {}\n", report.scan_id, grouped(report.ray_count),
@@ -107,6 +111,12 @@ void add_add_command(Commands& commands) {
   command->add_option("--rig", arguments->inputs.rig_file, "Rig file, for logs (docs/rig.md)");
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
+  command
+      ->add_option(
+          "--dormant", arguments->dormant,
+          "yes: the vines bear no leaves, and what is seen is the wood that leaf areas of other dates are freed "
+          "of; no: they do (default: decided by date and plant area; of a scan that is there it is changed)")
+      ->check(CLI::IsMember({"yes", "no"}));
   command->add_flag(
       "--restore-missing,!--no-restore-missing", arguments->inputs.restore_missing,
       "Put back the downward rays without a return that clouds leave out, from the beams' timing (docs/density.md; "

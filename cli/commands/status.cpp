@@ -41,6 +41,7 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
       {"ray_bytes", bytes},
       {"bytes_per_ray", scan.ray_count > 0 ? static_cast<double>(bytes) / static_cast<double>(scan.ray_count) : 0.0},
       {"derived", derived},
+      {"dormant", scan.dormant ? ordered_json(*scan.dormant) : ordered_json(nullptr)},
       {"warnings", scan.warnings}};
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
   return json;

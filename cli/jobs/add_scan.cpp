@@ -134,7 +134,10 @@ Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
 Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {
   RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads, progress));
   RAYFIELD_ASSIGN(auto there, store.find_added(options));
-  if (there) return AddedScan{std::move(*there), {}, {}};
+  if (there) {
+    if (options.dormant) RAYFIELD_CHECK(store.set_dormant(there->scan_id, options.dormant, options.command));
+    return AddedScan{std::move(*there), {}, {}};
+  }
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {

@@ -70,6 +70,7 @@ ScanEntry scan_entry(const AddOptions& options, const std::string& scan_id, cons
   scan.name = options.name;
   scan.inputs = options.inputs;
   scan.alignment = options.alignment;
+  scan.dormant = options.dormant;
   scan.ray_count = statistics.rays;
   scan.hit_count = statistics.hits;
   scan.start_time_s = static_cast<double>(statistics.first_time_us) / 1e6;

@@ -97,6 +97,7 @@ Json scan_json(const ScanEntry& scan) {
                {"origin_bounds", box_json(scan.origin_bounds)},
                {"warnings", scan.warnings}};
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
+  if (scan.dormant) json["dormant"] = *scan.dormant;
   json["tiles"] = std::move(tiles);
   json["derived"] = std::move(derived);
   json["attachments"] = std::move(attachments);
@@ -152,6 +153,7 @@ ScanEntry parse_scan(const Json& json) {
   scan.origin_bounds = parse_box(json.at("origin_bounds"));
   scan.warnings = json.at("warnings").get<std::vector<std::string>>();
   if (json.contains("alignment")) scan.alignment = parse_alignment(json.at("alignment"));
+  if (const auto dormant = json.find("dormant"); dormant != json.end()) scan.dormant = dormant->get<bool>();
   for (const Json& t : json.at("tiles")) scan.tiles.push_back(parse_tile(t));
   for (const Json& d : json.at("derived")) scan.derived.push_back(parse_derived(d));
   if (json.contains("attachments"))  // stores from before have none

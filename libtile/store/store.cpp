@@ -152,6 +152,21 @@ Result<RevertReport> Store::revert(std::uint64_t number, const std::string& comm
   return revert_store(store_->folder, number, command);
 }
 
+Result<void> Store::set_dormant(const std::string& scan_id, std::optional<bool> dormant, const std::string& command) {
+  RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(folder()));
+  const auto changed = [&](Snapshot snapshot) -> Result<std::optional<Snapshot>> {
+    for (ScanEntry& scan : snapshot.scans) {
+      if (scan.scan_id != scan_id) continue;
+      if (scan.dormant == dormant) return std::nullopt;
+      scan.dormant = dormant;
+      return snapshot;
+    }
+    return fail(ErrorCode::usage, "unknown scan", scan_id, "the store has no scan of that id", "see `rayfield status`");
+  };
+  RAYFIELD_CHECK(publish(folder(), command, changed));
+  return {};
+}
+
 Result<TileReader> Store::open_tile(const TileEntry& tile) const { return TileReader::open(*store_, tile); }
 
 Result<ArraySet> Store::read_derived(const DerivedEntry& entry) const {

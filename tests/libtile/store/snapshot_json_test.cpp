@@ -64,6 +64,19 @@ TEST(SnapshotJson, AScanFromBeforeFilesWereKeptHasNone) {
   EXPECT_TRUE(back->scans[0].attachments.empty());
 }
 
+TEST(SnapshotJson, WhetherAScanIsDormantIsKeptWhereItWasSaidAndAbsentWhereNot) {
+  Snapshot snapshot = sample_snapshot();
+  EXPECT_EQ(to_json(snapshot).dump().find("dormant"), std::string::npos) << "as older versions wrote it";
+  EXPECT_EQ(snapshot_from_json(to_json(snapshot), "x")->scans[0].dormant, std::nullopt);
+  for (const bool dormant : {false, true}) {
+    snapshot.scans[0].dormant = dormant;
+    EXPECT_EQ(snapshot_from_json(to_json(snapshot), "x")->scans[0].dormant, dormant);
+  }
+  auto json = to_json(snapshot);
+  json["scans"][0]["dormant"] = "perhaps";
+  EXPECT_EQ(snapshot_from_json(json, "x").error().code, ErrorCode::damaged);
+}
+
 TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   for (const char* path : {"/etc/passwd", "../other/tile.h5", "scans/../../x", ""}) {
     Snapshot snapshot = sample_snapshot();

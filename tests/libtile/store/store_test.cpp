@@ -70,6 +70,31 @@ TEST(Store, AFolderThatIsNoStoreIsNamed) {
   }
 }
 
+TEST(Store, WhetherAScanIsDormantIsChangedWithoutTouchingIt) {
+  const ScratchFolder folder;
+  Store store = make_store(folder.path() / "block");
+  ASSERT_TRUE(add(store, simulated_drive(2000)));
+  const Snapshot before = *store.latest();
+  EXPECT_EQ(before.scans[0].dormant, std::nullopt);
+  ASSERT_TRUE(store.set_dormant("2019-02-11", true, "test"));
+  const Snapshot after = *store.latest();
+  EXPECT_EQ(after.scans[0].dormant, true);
+  EXPECT_EQ(after.number, before.number + 1);
+  EXPECT_EQ(after.scans[0].tiles[0].content_sha256(), before.scans[0].tiles[0].content_sha256());
+  ASSERT_TRUE(store.set_dormant("2019-02-11", true, "test"));
+  EXPECT_EQ(store.latest()->number, after.number) << "nothing new, no snapshot";
+  EXPECT_EQ(store.set_dormant("2020-01-01", true, "test").error().code, ErrorCode::usage);
+}
+
+TEST(Store, AScanIsAddedAsDormant) {
+  const ScratchFolder folder;
+  Store store = make_store(folder.path() / "block");
+  AddOptions options = add_options();
+  options.dormant = true;
+  ASSERT_TRUE(add(store, simulated_drive(2000), options));
+  EXPECT_EQ(store.latest()->scans[0].dormant, true);
+}
+
 TEST(Store, AStoreOfANewerFormatAsksForANewerProgram) {
   ScratchFolder folder;
   make_store(folder.path() / "block");

@@ -88,6 +88,7 @@ struct ScanEntry {
   Eigen::AlignedBox3d origin_bounds;         ///< of the ray origins, m
   std::vector<std::string> warnings;         ///< what the reader left out
   std::optional<ScanAlignment> alignment;    ///< absent in stores of earlier versions
+  std::optional<bool> dormant;               ///< the user says that the vines bear no leaves, or that they do
   std::vector<TileEntry> tiles;              ///< ordered by index
   std::vector<DerivedEntry> derived;         ///< ordered by kind and name
   std::vector<AttachmentEntry> attachments;  ///< ordered by name

@@ -73,6 +73,9 @@ class Store {
   /// Publishes a snapshot with the content of an older one. Nothing is deleted, so that this can be reverted too.
   /// Errors: usage (no such snapshot), damaged (files of it are gone; names them), locked.
   Result<RevertReport> revert(std::uint64_t number, const std::string& command);
+  /// Says of a scan that the vines bore no leaves, that they did, or (nothing) that nothing is known. No change, no
+  /// snapshot. Errors: usage (no such scan), locked.
+  Result<void> set_dormant(const std::string& scan_id, std::optional<bool> dormant, const std::string& command);
 
   using TileReader = tile::TileReader;
   /// Checks the tile's files. Errors: damaged.
