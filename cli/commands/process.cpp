@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <memory>
 #include <optional>
@@ -71,16 +71,31 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
                                      {"plant_area_m2", scan.plant_area_m2},
+                                     {"leaf_area_m2", nullptr},
+                                     {"wood_scan_id", nullptr},
                                      {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
                                      {"voxel_m", scan.voxel_m},
                                      {"files_made", scan.files_made},
                                      {"files_kept", scan.files_kept},
                                      {"notes", scan.notes}});
-    outcome.text += fmt::format("  {}  plant area {:.1f} m², leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
-                                scan.scan_id, scan.plant_area_m2, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m,
-                                scan.files_made == 0 ? " (unchanged)" : "");
+    std::string leaf_area;
+    if (scan.leaf_area_m2) {
+      outcome.data["scans"].back()["leaf_area_m2"] = *scan.leaf_area_m2;
+      outcome.data["scans"].back()["wood_scan_id"] = scan.wood_scan_id;
+      leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
+      leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
+    }
+    outcome.text += fmt::format("  {}  plant area {:.1f} m²{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
+                                scan.scan_id, scan.plant_area_m2, leaf_area, 1e4 * scan.leaf_size_m2,
+                                100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }
+  outcome.data["outdated_leaf_areas"] = report.outdated_leaf_areas;
+  if (!report.outdated_leaf_areas.empty())
+    outcome.text += fmt::format(
+        "  note: leaf areas of {} were made with the wood of another scan than they would be "
+        "now; run `rayfield process` without --date\n",
+        fmt::join(report.outdated_leaf_areas, ", "));
   if (context.options.verbose > 0)
     for (const std::string& note : report.notes) outcome.text += fmt::format("  note: {}\n", note);
   return outcome;

@@ -1,4 +1,5 @@
 #include "libdensity/estimate/integrate.h"
+#include "libdensity/estimate/row_shares.h"
 #include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
@@ -10,7 +11,6 @@ namespace rayfield::density {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -20,11 +20,6 @@ struct Sums {
   double voxels = 0, observed = 0, rays = 0;
   std::vector<double> by_up, by_across;  ///< leaf area
 };
-
-double share_between(const RowDensity& row, int along, double from, double to) {
-  const double low = row.chainage_m[at(along)];
-  return std::clamp((std::min(to, low + row.voxel_m) - std::max(from, low)) / row.voxel_m, 0.0, 1.0);
-}
 
 void add_section(const RowDensity& row, int along, double share, Sums& s) {
   for (int c = 0; c < row.n_across; ++c)
@@ -41,11 +36,11 @@ void add_section(const RowDensity& row, int along, double share, Sums& s) {
   s.rays += share * row.entries[at(along)];
 }
 
-Sums sum_between(const RowDensity& row, double from, double to) {
+Sums sum_between(const RowDensity& row, const RowSpan& span) {
   Sums s;
   s.by_up.assign(at(row.n_up), 0), s.by_across.assign(at(row.n_across), 0);
   for (int a = 0; a < row.n_along; ++a) {
-    const double share = share_between(row, a, from, to);
+    const double share = share_between(row, a, span);
     if (share > 0) add_section(row, a, share, s);
   }
   return s;
@@ -53,11 +48,11 @@ Sums sum_between(const RowDensity& row, double from, double to) {
 
 /// Share of light that crosses the side view horizontally, over the layers from `low` to `high` (Beer's law with the
 /// spherical projection ½ along every line of voxels across the row; wood there stops all that its outline covers).
-double gap_between(const RowDensity& row, double from, double to, int low, int high) {
+double gap_between(const RowDensity& row, const RowSpan& span, int low, int high) {
   double cells = 0, light = 0;
   const double face = row.voxel_m * row.voxel_m;
   for (int a = 0; a < row.n_along; ++a) {
-    const double share = share_between(row, a, from, to);
+    const double share = share_between(row, a, span);
     if (share <= 0) continue;
     for (int u = low; u <= high; ++u) {
       double canopy = 0, wood = 0;
@@ -71,20 +66,20 @@ double gap_between(const RowDensity& row, double from, double to, int low, int h
   return cells > 0 ? light / cells : kNaN;
 }
 
-PanelValue panel_value(const RowDensity& row, const Sums& s, double from, double to, double length_m, double spacing_m,
+PanelValue panel_value(const RowDensity& row, const Sums& s, const RowSpan& span, double length_m, double spacing_m,
                        const IntegrationOptions& o) {
   PanelValue v;
   v.observed_fraction = s.voxels > 0 ? s.observed / s.voxels : 0;
   v.ray_count = std::llround(s.rays);
   if (!(v.observed_fraction >= o.min_observed_fraction) || s.observed <= 0) {
-    v.plant_area_m2 = v.leaf_area_m2 = v.leaf_area_per_m = v.lai = v.se_leaf_area_m2 = kNaN;
+    v.plant_area_m2 = v.leaf_area_m2 = v.leaf_area_per_m = v.lai = v.se_leaf_area_m2 = v.se_plant_area_m2 = kNaN;
     v.ci_low_m2 = v.ci_high_m2 = v.canopy_height_m = v.canopy_width_m = v.gap_fraction = kNaN;
     return v;
   }
   v.plant_area_m2 = s.plant, v.leaf_area_m2 = s.leaf;
   v.leaf_area_per_m = s.leaf / length_m;
   v.lai = s.leaf / (length_m * spacing_m);
-  v.se_leaf_area_m2 = std::sqrt(s.variance);
+  v.se_leaf_area_m2 = v.se_plant_area_m2 = std::sqrt(s.variance);
   const double half = 1.959963984540054 * std::sqrt(s.variance + o.shared_error * o.shared_error * s.leaf * s.leaf);
   v.ci_low_m2 = std::max(0.0, s.leaf - half), v.ci_high_m2 = s.leaf + half;
   if (!(s.leaf > 0)) {
@@ -99,7 +94,7 @@ PanelValue panel_value(const RowDensity& row, const Sums& s, double from, double
                      quantile_height(s.by_across, row.voxel_m, 0.5 - o.width_share / 2);
   const int low = std::clamp(static_cast<int>(bottom / row.voxel_m), 0, row.n_up - 1);
   const int high = std::clamp(ceil_int(top / row.voxel_m) - 1, low, row.n_up - 1);
-  v.gap_fraction = gap_between(row, from, to, low, high);
+  v.gap_fraction = gap_between(row, span, low, high);
   return v;
 }
 
@@ -123,27 +118,26 @@ double quantile_height(std::span<const double> layer_area, double layer_m, doubl
 std::vector<PanelValue> integrate_panels(const RowDensity& row, std::span<const Panel> panels, double row_spacing_m,
                                          const IntegrationOptions& options) {
   std::vector<PanelValue> out;
+  const std::vector<RowSpan> spans = panel_spans(panels);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const double from = i == 0 ? -kInfinity : (panels[i - 1].end_m + panels[i].start_m) / 2;
-    const double to = i + 1 == panels.size() ? kInfinity : (panels[i].end_m + panels[i + 1].start_m) / 2;
     const double length = panels[i].end_m - panels[i].start_m;
-    out.push_back(panel_value(row, sum_between(row, from, to), from, to, length, row_spacing_m, options));
+    out.push_back(panel_value(row, sum_between(row, spans[i]), spans[i], length, row_spacing_m, options));
   }
   return out;
 }
 
 std::vector<RowMetreProduct> row_metres(const RowDensity& row, double row_length_m, const IntegrationOptions& options) {
   const double step = options.metre_step_m;
-  const int count = std::max(1, round_int(row_length_m / step));
-  std::vector<Sums> sums(at(count));
+  const std::vector<RowSpan> spans = metre_spans(row_length_m, step);
+  const int count = static_cast<int>(spans.size());
+  std::vector<Sums> sums(spans.size());
   for (Sums& s : sums) s.by_up.assign(at(row.n_up), 0), s.by_across.assign(at(row.n_across), 0);
   for (int a = 0; a < row.n_along; ++a) {
     const double low = row.chainage_m[at(a)], high = low + row.voxel_m;
     const int first = std::clamp(floor_int(low / step), 0, count - 1);
     const int last = std::clamp(floor_int(high / step), 0, count - 1);
     for (int k = first; k <= last; ++k) {
-      const double from = k == 0 ? -kInfinity : k * step, to = k == count - 1 ? kInfinity : (k + 1) * step;
-      const double share = share_between(row, a, from, to);
+      const double share = share_between(row, a, spans[at(k)]);
       if (share > 0) add_section(row, a, share, sums[at(k)]);
     }
   }

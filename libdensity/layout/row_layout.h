@@ -51,6 +51,9 @@ struct RowLayout {
   std::vector<Trunk> trunks;
 };
 
+/// The panels of one row, in their order along it.
+std::vector<Panel> panels_of(const RowLayout& layout, int row);
+
 /// A straight piece of a row with its own frame; voxels are made per row segment, so that rows may curve gently and the
 /// ground under them may roll. Local coordinates of a map point p with (e, n) = p − origin in plan:
 ///   along = e·ux + n·uy, across = −e·uy + n·ux, up = z − (ground_m + slope_along·along + slope_across·across).

@@ -58,6 +58,8 @@ Result<void> EstimatorOptions::validate() const { return check_option_ranges(*th
 
 Result<void> IntegrationOptions::validate() const { return check_option_ranges(*this, "bad integration option"); }
 
+Result<void> LeafOptions::validate() const { return check_option_ranges(*this, "bad leaf area option"); }
+
 Result<void> PlanRasterOptions::validate() const { return check_option_ranges(*this, "bad raster option"); }
 
 Result<void> ProcessOptions::validate() const {

@@ -7,6 +7,7 @@
 #include "libdensity/ground/ground_arrays.h"
 #include "libdensity/pipeline/layout_products.h"
 #include "libdensity/pipeline/layout_store.h"
+#include "libdensity/pipeline/leaf_values.h"
 #include "libdensity/pipeline/results_io.h"
 #include "rayfield/core/date.h"
 
@@ -39,6 +40,19 @@ ScanProduct describe(const tile::ScanEntry& scan) {
   product.landmarks = alignment.landmarks;
   product.aligned = alignment.verdict != tile::AlignmentVerdict::unaligned;
   return product;
+}
+
+// Puts the leaf areas in the place of what the scan's own rays say of them, where a dormant scan shows the wood.
+Result<void> add_leaf_values(const tile::Store& store, const tile::ScanEntry& scan, const RowLayout& layout,
+                             ScanResults& results) {
+  if (const tile::DerivedEntry* entry = find_derived(scan.derived, "leaf", "block")) {
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
+    RAYFIELD_CHECK(put_leaf_values(arrays, layout, store.config().crs, results));
+    if (results.scan.wood_scan_id == scan.scan_id) results.scan.leaf_note = "dormant: leaf area is 0 by definition";
+    return {};
+  }
+  results.scan.leaf_note = kWoodInLeafArea;
+  return {};
 }
 
 // Half the width of the widest canopy, from the panels' values; posts alone give a slim panel.
@@ -80,6 +94,13 @@ Result<std::vector<std::string>> select_scans(const tile::Snapshot& snapshot, co
   return ids;
 }
 
+std::vector<std::string> raster_names(const tile::ScanEntry& scan) {
+  std::vector<std::string> names(std::begin(kRasterNames), std::end(kRasterNames));
+  names.emplace_back(kLeafRasterName);
+  std::erase_if(names, [&](const std::string& name) { return find_derived(scan.derived, "raster", name) == nullptr; });
+  return names;
+}
+
 Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot& snapshot,
                                  const std::vector<std::string>& scan_ids) {
   RAYFIELD_ASSIGN(const BlockLayout block, read_layout(store, snapshot));
@@ -92,6 +113,7 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
     if (entry == nullptr) return not_processed(scan.scan_id);
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
     RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(arrays, block.layout, store.config().crs, describe(scan)));
+    RAYFIELD_CHECK(add_leaf_values(store, scan, block.layout, results));
     scans.push_back(std::move(results));
     if (first == nullptr) first = &scan;
   }

@@ -1,10 +1,18 @@
 #include "rayfield/density/process.h"
 
-#include <cmath>
+#include <fmt/core.h>
 
+#include <cmath>
+#include <list>
+#include <map>
+#include <memory>
+
+#include "libdensity/pipeline/block_seasons.h"
 #include "libdensity/pipeline/layout_store.h"
+#include "libdensity/pipeline/leaf_products.h"
 #include "libdensity/pipeline/scan_products.h"
 #include "libdensity/pipeline/scan_stages.h"
+#include "libdensity/pipeline/scan_totals.h"
 #include "libdensity/pipeline/scan_voxel_size.h"
 #include "libdensity/pipeline/scan_voxels.h"
 #include "rayfield/core/parallel.h"
@@ -13,35 +21,75 @@
 namespace rayfield::density {
 namespace {
 
-// One scan, from its rays to its maps. Finds the block's layout on the way if there is none yet.
-Result<ScanReport> process_scan(const tile::Store& store, tile::Store::DerivedWriter& writer,
-                                const tile::ScanEntry& scan, const ProcessOptions& options, BlockLayout& block,
-                                Progress& progress) {
-  Derivation files(store, writer, scan.scan_id, options.redo);
-  ScanWork work{store, scan, options, files, progress, thread_count(options.threads)};
+// A scan on its way: its plants are known before the wood of any is subtracted.
+struct ScanInWork {
+  std::unique_ptr<Derivation> files;
+  ScanWork work;
+  ScanVoxels voxels = {};
+  ScanTotals totals = {};
+  ScanReport report = {};
+};
+
+// One scan, from its rays to the maps of its plants. Finds the block's layout on the way if there is none yet.
+Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer, BlockLayout& block) {
+  ScanWork& work = scan.work;
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
   if (!block.known) RAYFIELD_CHECK(adopt_layout(work, surveyed, writer, block));
   work.layout_key = block.key;
-  work.voxels = options.voxels;
-  if (holds_downward_misses(surveyed.surveys)) work.voxels.sure_return_m = 0;
+  work.voxels = work.options.voxels;
+  const bool counts_all = holds_downward_misses(surveyed.surveys);
+  if (counts_all) work.voxels.sure_return_m = 0;
 
-  const std::vector<WoodCylinder> wood = wood_of(block.layout, surveyed.ground);
+  scan.voxels.wood = wood_of(block.layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, block.layout, surveyed.ground));
-  RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, block.layout, surveyed.ground, profile, wood));
-  RAYFIELD_ASSIGN(const RowSegmentList row_segments,
-                  cut_row_segmentes(work, block.layout, surveyed.ground, profile, voxel_m));
-  RAYFIELD_ASSIGN(const auto tiles, count_voxels(work, row_segments, wood));
-  ScanReport report;
-  report.scan_id = scan.scan_id;
-  report.rays = scan.ray_count;
-  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, row_segments, wood, tiles));
-  for (const PanelValue& value : results.panel_values)
-    if (std::isfinite(value.plant_area_m2)) report.plant_area_m2 += value.plant_area_m2;
-  report.leaf_size_m2 = results.element_area_m2;
-  report.voxel_m = voxel_m;
-  RAYFIELD_CHECK(files.finish());
-  report.files_made = files.total().made, report.files_kept = files.total().kept;
-  return report;
+  RAYFIELD_ASSIGN(const double voxel_m,
+                  choose_voxel_size(work, block.layout, surveyed.ground, profile, scan.voxels.wood));
+  RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, block.layout, surveyed.ground, profile, voxel_m));
+  RAYFIELD_ASSIGN(scan.voxels.tiles,
+                  count_voxels(work, {work.scan, work.voxels, ""}, scan.voxels.row_segments, scan.voxels.wood));
+  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, scan.voxels.row_segments,
+                                                            scan.voxels.wood, scan.voxels.tiles));
+  RAYFIELD_ASSIGN(scan.totals, total_scan(work, block.layout, results, counts_all));
+  scan.report.scan_id = work.scan.scan_id;
+  scan.report.rays = work.scan.ray_count;
+  scan.report.plant_area_m2 = scan.totals.plant_area_m2;
+  scan.report.leaf_size_m2 = results.element_area_m2;
+  scan.report.voxel_m = voxel_m;
+  return {};
+}
+
+// Its leaves, where the block has a dormant scan; what is noteworthy about them goes into the report.
+Result<void> process_leaves(ScanInWork& scan, const RowLayout& layout, const BlockSeasons& seasons) {
+  const std::string& scan_id = scan.work.scan.scan_id;
+  std::vector<std::string>& notes = scan.report.notes;
+  const std::string verdict = seasons.verdict_on(scan_id);
+  if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
+  const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);
+  if (!wood) {
+    notes.emplace_back(kWoodInLeafArea);
+    return {};
+  }
+  RAYFIELD_ASSIGN(const LeafReport leaves, separate_leaves(scan.work, layout, scan.voxels, *wood));
+  scan.report.leaf_area_m2 = leaves.leaf_area_m2;
+  scan.report.wood_scan_id = wood->scan.scan_id;
+  if (leaves.without_wood > 0)
+    notes.push_back(fmt::format("{} of {} panels have no leaf area: the dormant scan {} does not show their wood",
+                                leaves.without_wood, leaves.panels, wood->scan.scan_id));
+  return {};
+}
+
+// Scans outside of this run whose leaf areas are no longer those that a run over all would give.
+Result<std::vector<std::string>> find_outdated(const tile::Store& store, const tile::Snapshot& snapshot,
+                                               const std::list<ScanInWork>& scans, const BlockSeasons& seasons) {
+  std::vector<std::string> outdated;
+  for (const tile::ScanEntry& entry : snapshot.scans) {
+    bool in_work = false;
+    for (const ScanInWork& scan : scans) in_work = in_work || scan.work.scan.scan_id == entry.scan_id;
+    if (in_work) continue;
+    RAYFIELD_ASSIGN(const bool other_wood, seasons.is_outdated(store, entry));
+    if (other_wood) outdated.push_back(entry.scan_id);
+  }
+  return outdated;
 }
 
 }  // namespace
@@ -59,11 +107,23 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
 
   ProcessReport report;
   report.layout_is_new = !block.known;
+  std::list<ScanInWork> scans;
+  std::map<std::string, ScanTotals> totals;
   for (const std::string& scan_id : scan_ids) {
-    RAYFIELD_ASSIGN(ScanReport scan,
-                    process_scan(store, writer, *snapshot.find_scan(scan_id), options, block, progress));
-    report.scans.push_back(std::move(scan));
+    auto files = std::make_unique<Derivation>(store, writer, scan_id, options.redo);
+    ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress, thread_count(options.threads)};
+    ScanInWork& scan = scans.emplace_back(ScanInWork{std::move(files), std::move(work)});
+    RAYFIELD_CHECK(process_plants(scan, writer, block));
+    totals[scan_id] = scan.totals;
   }
+  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals));
+  for (ScanInWork& scan : scans) {
+    RAYFIELD_CHECK(process_leaves(scan, block.layout, seasons));
+    RAYFIELD_CHECK(scan.files->finish());
+    scan.report.files_made = scan.files->total().made, scan.report.files_kept = scan.files->total().kept;
+    report.scans.push_back(scan.report);
+  }
+  RAYFIELD_ASSIGN(report.outdated_leaf_areas, find_outdated(store, snapshot, scans, seasons));
   RAYFIELD_CHECK(writer.commit(command));
   report.rows = block.layout.rows.size();
   report.panels = block.layout.panels.size();

@@ -128,6 +128,9 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
     for (std::size_t i = 0; i < row.size(); ++i) results.panel_values[i].*member = column[i];
   }
 
+  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known.
+  for (PanelValue& value : results.panel_values) value.se_plant_area_m2 = value.se_leaf_area_m2;
+
   RAYFIELD_ASSIGN(const auto metre_row, arrays.column<std::int32_t>("metre_row"));
   RAYFIELD_ASSIGN(const auto chainage, arrays.column<double>("metre_chainage_m"));
   RAYFIELD_ASSIGN(const auto easting, arrays.column<double>("metre_easting_m"));

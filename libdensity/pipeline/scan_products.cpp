@@ -5,19 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <list>
-#include <memory>
 #include <optional>
 
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
-#include "libdensity/estimate/row_density.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/pipeline/layout_products.h"
 #include "libdensity/pipeline/results_io.h"
+#include "libdensity/pipeline/row_voxels.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/rounding.h"
-#include "libdensity/voxels/voxel_arrays.h"
 #include "rayfield/density/load.h"
 
 namespace rayfield::density {
@@ -26,53 +23,10 @@ namespace {
 constexpr int kResultsVersion = 3;
 constexpr float kNotScanned = std::numeric_limits<float>::quiet_NaN();
 
-// The voxels of a scan's tiles, read when needed. Neighbouring rows run through the same tiles, so the latest ones are
-// kept, as many as fit.
-class VoxelCache {
- public:
-  VoxelCache(ScanWork& work, std::size_t bytes) : work_(work), bytes_(bytes) {}
-
-  Result<std::shared_ptr<const TileVoxels>> get(tile::TileIndex index) {
-    for (auto it = kept_.begin(); it != kept_.end(); ++it) {
-      if (it->voxels->tile != index) continue;
-      kept_.splice(kept_.begin(), kept_, it);
-      return kept_.front().voxels;
-    }
-    RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_.files.read("voxels", tile_name(index)));
-    RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
-    std::size_t size = 0;
-    for (const RowSegmentVoxels& row_segment : voxels.row_segments)
-      size += row_segment.voxels.size() * sizeof(VoxelCounters);
-    kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
-    used_ += size;
-    while (used_ > bytes_ && kept_.size() > 1) {
-      used_ -= kept_.back().bytes;
-      kept_.pop_back();
-    }
-    return kept_.front().voxels;
-  }
-
- private:
-  struct Kept {
-    std::shared_ptr<const TileVoxels> voxels;
-    std::size_t bytes;
-  };
-  ScanWork& work_;
-  std::size_t bytes_, used_ = 0;
-  std::list<Kept> kept_;
-};
-
 struct ScanMaps {
   ScanResults results;
   std::vector<RasterProduct> rasters;
 };
-
-std::vector<Panel> panels_of(const RowLayout& layout, int row) {
-  std::vector<Panel> panels;
-  for (const Panel& panel : layout.panels)
-    if (panel.row == row) panels.push_back(panel);
-  return panels;
-}
 
 // One row: density, then everything that is integrated from it.
 Result<void> integrate_one(ScanWork& work, const RowLayout& layout, const Row& row, const RowDensity& density,
@@ -150,29 +104,13 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
                            const RowSegmentList& list, std::span<const WoodCylinder> wood,
                            std::span<const tile::TileIndex> tiles) {
   ScanMaps maps;
-  VoxelCache cache(work, work.options.memory_bytes / 8);
-  LeafSizePairs pairs;
-  std::map<int, std::vector<tile::TileIndex>> tiles_of_row;
-  for (const tile::TileIndex index : tiles) {
-    RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
-    pairs += voxels->pairs;
-    for (const RowSegmentVoxels& row_segment : voxels->row_segments) {
-      std::vector<tile::TileIndex>& of_row = tiles_of_row[row_segment.row_segment.row];
-      if (of_row.empty() || of_row.back() != index) of_row.push_back(index);
-    }
-  }
+  RAYFIELD_ASSIGN(RowVoxels voxels, RowVoxels::open(work, "", tiles, work.options.memory_bytes / 8));
   RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    if (tiles_of_row.count(row.number) == 0) continue;
-    RAYFIELD_ASSIGN(RowDensityBuilder builder,
-                    RowDensityBuilder::create(row.number, list.row_segments, wood, pairs, work.options.estimator));
-    for (const tile::TileIndex index : tiles_of_row[row.number]) {
-      RAYFIELD_ASSIGN(const auto voxels, cache.get(index));
-      RAYFIELD_CHECK(builder.add(*voxels));
-    }
-    const RowDensity density = std::move(builder).finish();
+    if (!voxels.has_row(row.number)) continue;
+    RAYFIELD_ASSIGN(const RowDensity density, voxels.density(row.number, list, wood, work.options.estimator));
     maps.results.element_area_m2 = density.leaf_size_m2;
     RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
     plan.add(density);

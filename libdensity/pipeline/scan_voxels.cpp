@@ -57,23 +57,27 @@ TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentL
   return scene;
 }
 
-Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const RowSegmentList& row_segments,
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedRays& rays,
+                                                  const RowSegmentList& row_segments,
                                                   std::span<const WoodCylinder> wood) {
   std::vector<tile::TileIndex> with_voxels;
-  work.progress.stage(fmt::format("{}: voxels", work.scan.scan_id), work.scan.ray_count, "rays");
-  for (const tile::TileEntry& entry : work.scan.tiles) {
+  const bool own = rays.scan.scan_id == work.scan.scan_id;
+  work.progress.stage(fmt::format("{}: {}", work.scan.scan_id, own ? "voxels" : "wood of " + rays.scan.scan_id),
+                      rays.scan.ray_count, "rays");
+  for (const tile::TileEntry& entry : rays.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
     work.progress.advance(entry.start_count);
     if (scene.row_segments.empty()) continue;
     RAYFIELD_ASSIGN(VoxelAccumulator empty,
-                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels));
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, rays.voxels));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
-    key.add(option_numbers(work.voxels)).add(entry.content_sha256());
+    key.add(option_numbers(rays.voxels)).add(entry.content_sha256());
     for (const RowSegment& row_segment : scene.row_segments) add_row_segment(key, row_segment);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
-    RAYFIELD_CHECK(work.files.get("voxels", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
+    const std::string name = rays.prefix + tile_name(entry.index);
+    RAYFIELD_CHECK(work.files.get("voxels", name, key.hex(), [&]() -> Result<tile::ArraySet> {
       RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));
       return arrays_from_voxels(voxels);
     }));

@@ -51,13 +51,16 @@ struct ScanProduct {
   double residual_m = 0;                                  ///< of posts and trunks in plan, rms
   int landmarks = 0;                                      ///< matched posts and trunks
   bool aligned = true;                                    ///< false: it lies where its positioning put it
+  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted for the leaf areas; empty: none
+  std::string leaf_note;     ///< what the leaf areas hold where that is not leaves alone
 };
 
 /// One panel on one date. Areas are one-sided.
 struct PanelValue {
   std::string panel_uid, scan_id, scan_date;
   double plant_area_m2 = 0;  ///< everything that stops rays: leaves, wood, posts, wires
-  double leaf_area_m2 = 0;   ///< plant area less structure
+  double leaf_area_m2 =
+      0;  ///< plant area less the wood of a dormant scan, or less posts and trunks where there is none
   double leaf_area_per_m = 0;
   double lai = 0;  ///< leaf area / (panel length × row spacing)
   double se_leaf_area_m2 = 0;
@@ -67,6 +70,8 @@ struct PanelValue {
   double gap_fraction = 0;       ///< share of the panel's side view that lets light through
   double observed_fraction = 0;  ///< share of voxels crossed by at least two rays
   std::int64_t ray_count = 0;
+  double se_plant_area_m2 = 0;
+  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: leaf_area_m2 holds canes and wires
 };
 
 /// Half a metre of row on one date.

@@ -12,6 +12,14 @@ namespace rayfield::density {
 /// Names of the rasters that process() leaves in the store for every scan.
 inline constexpr const char* kRasterNames[] = {"plan_density", "plan_density_se", "canopy_height", "ground"};
 
+/// And this one for scans whose wood is known.
+inline constexpr const char* kLeafRasterName = "leaf_density";
+/// Those that the store holds for a scan, in that order.
+std::vector<std::string> raster_names(const tile::ScanEntry& scan);
+
+/// Of scans whose wood is not known.
+inline constexpr const char* kWoodInLeafArea = "leaf area holds canes and wires: the block has no dormant scan";
+
 /// The block's rows, panels, posts and the results of the scans named (all if empty), in the order of their dates.
 /// Errors: usage (nothing processed yet, unknown scan), damaged.
 Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot& snapshot,

@@ -182,6 +182,19 @@ struct IntegrationOptions {
   Result<void> validate() const;
 };
 
+/// Leaf areas, where a dormant scan shows the wood (docs/density.md, "Leaf area").
+struct LeafOptions {
+  double wood_error = 0.05;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.number("wood_error", o.wood_error, {0, 1},
+             "Relative standard error of the wood that a dormant scan shows and a leafy one hides, in the intervals "
+             "only: what both see alike cancels in their difference");
+  }
+  Result<void> validate() const;
+};
+
 /// Maps.
 struct PlanRasterOptions {
   double cell_m = 0.10;
@@ -209,6 +222,7 @@ struct ProcessOptions {
   EstimatorOptions estimator;
   IntegrationOptions integration;
   PlanRasterOptions plan;
+  LeafOptions leaf;
 
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
   bool redo = false;                                    ///< make everything anew, the layout with it
@@ -228,6 +242,7 @@ struct ProcessOptions {
     v.group("estimator", o.estimator);
     v.group("integration", o.integration);
     v.group("plan", o.plan);
+    v.group("leaf", o.leaf);
   }
   /// Ranges, and what has to fit together.
   Result<void> validate() const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,11 @@ struct ScanReport {
   std::string scan_id;
   std::uint64_t rays = 0;
   std::size_t files_made = 0, files_kept = 0;
-  double plant_area_m2 = 0;  ///< sum over the panels
-  double leaf_size_m2 = 0;   ///< area of one leaf, as measured or given
-  double voxel_m = 0;        ///< side of the voxels
+  double plant_area_m2 = 0;            ///< sum over the panels
+  std::optional<double> leaf_area_m2;  ///< the same; nothing where no dormant scan shows the wood
+  std::string wood_scan_id;            ///< the dormant scan whose wood was subtracted
+  double leaf_size_m2 = 0;             ///< area of one leaf, as measured or given
+  double voxel_m = 0;                  ///< side of the voxels
   std::vector<std::string> notes;
 };
 
@@ -27,10 +30,13 @@ struct ProcessReport {
   bool layout_is_new = false;
   std::vector<ScanReport> scans;
   std::vector<std::string> notes;  ///< about the block: rows refused, posts not seen
+  /// Scans that were not asked for, but whose leaf areas would now be made with the wood of another dormant scan.
+  std::vector<std::string> outdated_leaf_areas;
 };
 
 /// Runs ground ▸ rows ▸ voxels ▸ density ▸ panels ▸ rasters over the store's scans. Files that exist under the same
 /// key are kept. The layout (rows, posts, panels) is found in the first scan of the store that shows one and kept.
+/// Where the block has a dormant scan, its wood is subtracted from the plants of the others, once all are processed.
 /// Errors: usage (options, nothing added, unknown scan), bad_input (no rows found, with the reason), damaged,
 /// resources, locked, interrupted.
 Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options, const std::string& command,

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rayfield/core/result.h"
+#include "rayfield/tile/store.h"
+
+/// Which scans of a block show bare wood, and which of them stands for the wood of another.
+namespace rayfield::density {
+
+/// What a scan tells about its season.
+struct ScanSeason {
+  std::string scan_id;
+  std::string date;                        ///< YYYY-MM-DD
+  std::optional<bool> declared;            ///< ScanEntry::dormant
+  std::optional<double> plant_area_per_m;  ///< m² per metre of the panels that it shows; nothing: not processed
+};
+
+struct DormantVerdict {
+  bool dormant = false;
+  std::string reason;  ///< for a note; empty where nobody would ask: a date in the growing season
+};
+
+/// The months in which vines bear no leaves: June to 10 September south of 20° S, December to 10 March north of 20° N,
+/// none between. `date`: YYYY-MM-DD.
+bool is_leafless_season(const std::string& date, double latitude_deg);
+
+/// What the user declared; otherwise dormant are scans of the leafless months that show little: less than any scan of
+/// the months with leaves, and no more than half of the largest of full leaf (three months of summer). Scans in the
+/// leafless months are not held against each other: they may differ by the winter's pruning.
+/// `latitude_deg`: nothing = unknown, then none is dormant unless declared.
+std::vector<DormantVerdict> find_dormant_scans(std::span<const ScanSeason> scans, std::optional<double> latitude_deg);
+
+/// The dormant scan nearest in time to scans[scan], itself if it is one; of two as near the earlier; only such as have
+/// been processed. Nothing: none.
+std::optional<std::size_t> wood_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
+                                        std::span<const DormantVerdict> verdicts);
+
+/// Of the middle of the scan, by the store's CRS; nothing where that cannot be told.
+std::optional<double> latitude_of(const tile::ScanEntry& scan, const std::string& crs);
+
+}  // namespace rayfield::density

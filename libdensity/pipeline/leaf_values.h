@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "libdensity/layout/row_layout.h"
+#include "rayfield/core/products.h"
+#include "rayfield/core/result.h"
+#include "rayfield/tile/arrays.h"
+
+namespace rayfield::density {
+
+/// The leaf areas of a scan whose wood is known. They are kept beside its results, which hold what its own rays say, so
+/// that another dormant scan changes nothing else.
+struct LeafValues {
+  std::string wood_scan_id;        ///< whose wood was subtracted; the scan itself: it is dormant
+  std::string wood_content;        ///< names that scan's rays
+  std::vector<PanelValue> panels;  ///< those of the results, with leaf areas and their errors in place
+  std::vector<double> metres;      ///< leaf_area_per_m of the results' half metres, in their order
+};
+
+/// Stored form, kind "leaf" version 1: panels are named by their numbers, and hold leaf areas and their errors only.
+tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout, const std::string& crs);
+/// Puts stored leaf areas into the results they were made from, and says whose wood was subtracted. Errors: damaged.
+Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout, const std::string& crs,
+                             ScanResults& results);
+
+/// Of stored leaf areas: whose wood was subtracted.
+struct WoodSource {
+  std::string scan_id, content;
+  bool operator==(const WoodSource&) const = default;
+};
+Result<WoodSource> wood_source_of(const tile::ArraySet& arrays);
+
+}  // namespace rayfield::density
