@@ -15,7 +15,7 @@ using Paths = std::vector<fs::path>;
 // The rasters of one scan, and the picture of its density map.
 Result<void> export_rasters(const tile::Store& store, const tile::ScanEntry& scan, const BlockProducts& block,
                             const fs::path& folder, const ExportOptions& options, Paths& written) {
-  for (const char* name : density::kRasterNames) {
+  for (const std::string& name : density::raster_names(scan)) {
     RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, scan, name));
     const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
     if (options.formats.count("geotiff") > 0) {

@@ -67,7 +67,8 @@ std::string properties(const PanelProduct& panel, const PanelValue* value) {
   text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
   for (const MeasuredColumn& column : kMeasuredColumns)
     text += fmt::format(",\"{}\":{}", column.name, number(value->*column.value, "null"));
-  return text + fmt::format(",\"ray_count\":{}", value->ray_count);
+  return text + fmt::format(",\"ray_count\":{},\"wood_scan_id\":{}", value->ray_count,
+                            value->wood_scan_id.empty() ? "null" : json_string(value->wood_scan_id));
 }
 
 Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
@@ -97,7 +98,7 @@ Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, 
 std::string panels_csv(const BlockProducts& block) {
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
   for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
-  text += ",ray_count\n";
+  text += ",ray_count,wood_scan_id\n";
   std::map<std::string, const PanelProduct*> panels;
   for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
   for (const ScanResults& scan : block.scans) {
@@ -108,7 +109,7 @@ std::string panels_csv(const BlockProducts& block) {
       text += fmt::format("{},{},{},{},{},{}", csv_escape(value.panel_uid), panel.row_number, panel.panel_number,
                           number(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
       for (const MeasuredColumn& column : kMeasuredColumns) text.append(",").append(number(value.*column.value, ""));
-      text += fmt::format(",{}\n", value.ray_count);
+      text += fmt::format(",{},{}\n", value.ray_count, csv_escape(value.wood_scan_id));
     }
   }
   return text;

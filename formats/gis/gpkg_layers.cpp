@@ -26,6 +26,12 @@ class Row {
     feature_->SetField(column_++, clean_text(value).c_str());
     return *this;
   }
+  /// Nothing becomes NULL.
+  Row& optional_text(const std::string& value) {
+    if (!value.empty()) return text(value);
+    feature_->SetFieldNull(column_++);
+    return *this;
+  }
   Row& integer(std::int64_t value) {
     feature_->SetField(column_++, static_cast<GIntBig>(value));
     return *this;
@@ -144,6 +150,7 @@ Result<void> fill_scans(const OpenGeoPackage& package, const BlockProducts& bloc
     out.integer(static_cast<std::int64_t>(scan.ray_count));
     out.real(scan.offset_e_m).real(scan.offset_n_m).real(scan.offset_h_m).real(scan.yaw_mrad).real(scan.residual_m);
     out.integer(scan.landmarks).integer(scan.aligned ? 1 : 0);
+    out.optional_text(scan.wood_scan_id).optional_text(scan.leaf_note);
     RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
@@ -157,7 +164,7 @@ Result<void> fill_panel_values(const OpenGeoPackage& package, const BlockProduct
       Row out(*layer);
       out.text(v.panel_uid).text(v.scan_id).date(v.scan_date);
       for (const MeasuredColumn& column : kMeasuredColumns) out.real(v.*column.value);
-      out.integer(v.ray_count);
+      out.integer(v.ray_count).optional_text(v.wood_scan_id);
       RAYFIELD_CHECK(check_written(package, out.write()));
     }
   }

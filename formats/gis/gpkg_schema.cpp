@@ -18,6 +18,7 @@ void add_measured_columns(Table& table) {
   for (const MeasuredColumn& column : kMeasuredColumns)
     table.columns.push_back({column.name, OFTReal, column.description});
   table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
+  table.columns.push_back({"wood_scan_id", OFTString, kWoodScanDescription});
 }
 
 }  // namespace
@@ -72,7 +73,9 @@ Table scan_table() {
            {"yaw_mrad", OFTReal, "how far it was turned, from east to north, mrad"},
            {"residual_m", OFTReal, "distance in plan of posts and trunks from those of the reference, rms, m"},
            {"landmarks", OFTInteger, "posts and trunks that both show"},
-           {"aligned", OFTInteger, "1: it lies on the reference, 0: it lies where its positioning put it"}}};
+           {"aligned", OFTInteger, "1: it lies on the reference, 0: it lies where its positioning put it"},
+           {"wood_scan_id", OFTString, kWoodScanDescription},
+           {"leaf_note", OFTString, "what the leaf areas of the scan hold, where that is not leaves alone"}}};
 }
 
 Table panel_value_table() {

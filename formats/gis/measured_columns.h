@@ -13,13 +13,19 @@ struct MeasuredColumn {
   const char* description;  ///< with the unit
 };
 
+inline constexpr const char* kWoodScanDescription =
+    "dormant scan whose wood was subtracted for the leaf area, see table scan; NULL: leaf area holds canes and wires";
 inline constexpr const char* kLeafAreaPerMDescription = "one-sided leaf area per metre of row, m²/m";
 
-/// In the order of `panel_value`, `panel_by_date`, GeoJSON and CSV; everywhere ray_count follows as an integer.
-inline constexpr std::array<MeasuredColumn, 11> kMeasuredColumns = {{
+/// In the order of `panel_value`, `panel_by_date`, GeoJSON and CSV; everywhere ray_count follows as an integer and
+/// wood_scan_id as text.
+inline constexpr std::array<MeasuredColumn, 12> kMeasuredColumns = {{
     {"plant_area_m2", &PanelValue::plant_area_m2,
      "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²"},
-    {"leaf_area_m2", &PanelValue::leaf_area_m2, "one-sided leaf area: plant area less structure, m²"},
+    {"leaf_area_m2", &PanelValue::leaf_area_m2,
+     "one-sided leaf area: plant area less the wood that the scan wood_scan_id shows, or, where that is NULL, less "
+     "posts "
+     "and trunks only, m²; may be slightly negative where there are no leaves"},
     {"leaf_area_per_m", &PanelValue::leaf_area_per_m, kLeafAreaPerMDescription},
     {"lai", &PanelValue::lai, "leaf area index: leaf area / (panel length × row spacing), m²/m²"},
     {"se_leaf_area_m2", &PanelValue::se_leaf_area_m2, "standard error of leaf_area_m2, m²"},
@@ -29,6 +35,10 @@ inline constexpr std::array<MeasuredColumn, 11> kMeasuredColumns = {{
     {"canopy_width_m", &PanelValue::canopy_width_m, "width of the canopy across the row, m"},
     {"gap_fraction", &PanelValue::gap_fraction, "share of the panel's side view that lets light through, 0 … 1"},
     {"observed_fraction", &PanelValue::observed_fraction, "share of voxels crossed by at least two rays, 0 … 1"},
+    {"se_plant_area_m2", &PanelValue::se_plant_area_m2,
+     "standard error of plant_area_m2, m²; two leaf areas with the same wood_scan_id differ by their plants, and so "
+     "this "
+     "is the error of each in their difference"},
 }};
 
 }  // namespace rayfield::formats

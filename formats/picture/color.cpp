@@ -71,7 +71,7 @@ Rgba color_at(const ColorScale& scale, double value) {
 }
 
 ColorScale product_scale(std::string_view product, double data_low, double data_high) {
-  if (product == "plan_density") return {0, 8, Ramp::canopy};
+  if (product == "plan_density" || product == "leaf_density") return {0, 8, Ramp::canopy};
   if (product == "plan_density_se") return {0, 1, Ramp::uncertainty};
   if (product == "canopy_height") return {0, 3, Ramp::height};
   if (product == "leaf_area_per_m") return {0, 6, Ramp::canopy};

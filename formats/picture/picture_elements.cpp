@@ -53,6 +53,7 @@ std::vector<std::string> wrap(const Canvas& canvas, std::string_view text, const
 
 std::string product_title(std::string_view product) {
   if (product == "plan_density") return "Canopy density";
+  if (product == "leaf_density") return "Leaf density";
   if (product == "plan_density_se") return "Canopy density, standard error";
   if (product == "canopy_height") return "Canopy height";
   if (product == "ground") return "Ground height";

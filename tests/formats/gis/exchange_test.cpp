@@ -72,6 +72,7 @@ TEST(GeoJson, ValuesAndAwkwardTextComeBack) {
   EXPECT_EQ(uid, feature->GetFieldAsString("panel_uid"));
   EXPECT_EQ(feature->GetFieldAsDouble("leaf_area_m2"), 0.1 + 0.2);
   EXPECT_EQ(feature->GetFieldAsInteger64("ray_count"), 5'000'000'000LL);
+  EXPECT_TRUE(feature->IsFieldNull(feature->GetFieldIndex("wood_scan_id"))) << "no wood was subtracted";
 }
 
 TEST(GeoJson, AScanThatDoesNotExistIsAUsageError) {
@@ -87,6 +88,7 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   BlockProducts block = make_block(1, 2, {"2018-12-12", "2019-02-11"});
   block.scans[0].panel_values[0].lai = kNan;
   block.scans[0].panel_values[1].scan_id = "x,\"y\"";
+  block.scans[0].panel_values[0].wood_scan_id = "2018-07-20";
   ASSERT_TRUE(write_panels_csv(block, folder / "a.csv"));
   std::istringstream lines(read_file(folder / "a.csv"));
   std::string line;
@@ -94,11 +96,11 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   EXPECT_EQ(line,
             "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
             "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
-            "ray_count");
+            "se_plant_area_m2,ray_count,wood_scan_id");
   std::getline(lines, line);
   EXPECT_EQ(line,
             "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
-            "0.9375,5000000000");
+            "0.9375,0.1875,5000000000,2018-07-20");
   std::getline(lines, line);
   EXPECT_NE(line.find(",\"x,\"\"y\"\"\",2018-12-12,"), std::string::npos) << line;
   int more = 0;

@@ -100,11 +100,11 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
       {"post", {"row_number", "detected"}},
       {"scan",
        {"scan_id", "scan_date", "start_utc", "end_utc", "name", "ray_count", "offset_e_m", "offset_n_m", "offset_h_m",
-        "yaw_mrad", "residual_m", "landmarks", "aligned"}},
+        "yaw_mrad", "residual_m", "landmarks", "aligned", "wood_scan_id", "leaf_note"}},
       {"panel_value",
        {"panel_uid", "scan_id", "scan_date", "plant_area_m2", "leaf_area_m2", "leaf_area_per_m", "lai",
         "se_leaf_area_m2", "ci_low_m2", "ci_high_m2", "canopy_height_m", "canopy_width_m", "gap_fraction",
-        "observed_fraction", "ray_count"}},
+        "observed_fraction", "ray_count", "se_plant_area_m2", "wood_scan_id"}},
       {"row_metre", {"row_number", "chainage_m", "scan_date", "leaf_area_per_m", "plant_area_per_m"}},
       {"panel_by_date", {"OGC_FID", "geom", "panel_uid", "scan_date", "leaf_area_per_m"}},
       {"panel_wide", {"panel_uid", "leaf_area_per_m_2018_12_12", "leaf_area_per_m_2019_02_11"}}};
@@ -132,6 +132,8 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   PanelValue& first = block.scans[1].panel_values[0];
   first.leaf_area_m2 = 0.1 + 0.2;  // needs all 17 digits
   first.lai = kNan;
+  first.wood_scan_id = "scan-2018-12-12";
+  block.scans[0].scan.leaf_note = "dormant";
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   OGRLayer* values = reader.layer("panel_value");
@@ -153,6 +155,10 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   EXPECT_EQ(row->GetFieldAsInteger64("ray_count"), 5'000'000'000LL);
   EXPECT_EQ(values->GetLayerDefn()->GetFieldDefn(row->GetFieldIndex("scan_date"))->GetType(), OFTDate);
   EXPECT_STREQ(row->GetFieldAsString("scan_date"), "2019/02/11");
+  EXPECT_EQ(real("se_plant_area_m2"), 0.1875);
+  EXPECT_STREQ(row->GetFieldAsString("wood_scan_id"), "scan-2018-12-12");
+  EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_scan_id IS NULL"), "11") << "none, not ''";
+  EXPECT_EQ(reader.value("SELECT leaf_note FROM scan WHERE leaf_note IS NOT NULL"), "dormant");
   EXPECT_EQ(reader.value("SELECT scan_date FROM scan WHERE scan_id = 'scan-2018-12-12'"), "2018/12/12");
   EXPECT_EQ(reader.value("SELECT CAST(end_utc AS TEXT) FROM scan WHERE scan_id = 'scan-2018-12-12'"),
             "2018-12-12T01:02:03.004Z");
