@@ -5,7 +5,9 @@
 
 For every site: simulate, init, add (true poses), process, export; then, against truth, per scan: plant area per panel
 (ratio of totals, RRMSE, response slope), rows found and invented, post positions, ground heights, the plan raster's
-integral; and between scans of one site with equal leaves: RRMSE of panels. With --slam the rays come from the logs
+integral; and between scans of one site with equal leaves: RRMSE of panels. A site with a date without leaves has its leaf
+areas compared too, in a second table: the first such date is the dormant scan; later ones are added with
+`--dormant no`, so that their leaf area, 0 in truth, is measured and not known. With --slam the rays come from the logs
 through `rayfield slam`, with the figures of the trajectory in a second table. Prints Markdown tables; the exit code is 1
 if a figure misses its target. Needs python3-gdal and python3-numpy.
 """
@@ -24,7 +26,8 @@ from osgeo import gdal, ogr, osr
 
 gdal.UseExceptions()
 TARGETS = {"ratio": (0.97, 1.03), "rrmse": 0.06, "slope": 0.85, "posts_m": 0.10, "ground_open_m": 0.03,
-           "ground_vine_m": 0.05, "repeat": 0.025, "raster": 0.005}
+           "ground_vine_m": 0.05, "repeat": 0.025, "raster": 0.005,
+           "leaf_ratio": (0.95, 1.05), "leaf_rrmse": 0.06, "leafless_m2": 0.1}
 
 
 # Through SLAM the map stands where the receiver puts it: posts and ground are not judged against the site's own place.
@@ -121,7 +124,7 @@ def against_truth(out, scan_id, truth, crs):
     true_panels = read_csv(f"{truth}/panels.csv")
     figures = {}
 
-    measured, true, unmatched = [], [], 0
+    measured, true, unmatched, pairs = [], [], 0, []
     centres = {uid: np.array(p["geometry"].Centroid().GetPoint_2D()) for uid, p in panels.items()}
     for t in true_panels:
         centre = frame.map((t["e0"] + t["e1"]) / 2, (t["n0"] + t["n1"]) / 2)
@@ -132,6 +135,7 @@ def against_truth(out, scan_id, truth, crs):
             continue
         measured.append(near["plant_area_m2"])
         true.append(t["leaf_area_m2"] + t["wood_area_m2"])
+        pairs.append((near, t))
     measured, true = np.array(measured), np.array(true)
     total = sum(v["plant_area_m2"] or 0 for v in values)
     figures["panels"], figures["unmatched"] = len(true_panels), unmatched
@@ -141,6 +145,10 @@ def against_truth(out, scan_id, truth, crs):
         figures["slope"] = float(np.polyfit(true, measured, 1)[0])
     figures["by_panel"] = {p["row_number"] * 1000 + p["panel_number"]: v["plant_area_m2"]
                            for v in values for p in [panels[v["panel_uid"]]]}
+
+    if any(v.get("wood_scan_id") for v in values):
+        figures["leaf"] = leaf_figures(pairs)
+        figures["leaf"]["wood"] = next(v["wood_scan_id"] for v in values if v.get("wood_scan_id"))
 
     true_rows = read_csv(f"{truth}/rows.csv")
     found = rows_of(gpkg, "vine_row")
@@ -186,6 +194,47 @@ def against_truth(out, scan_id, truth, crs):
     values_plan, g = raster(glob.glob(f"{out}/*_{scan_id}_plan_density.tif")[0])
     figures["raster"] = float(np.nansum(values_plan) * abs(g[1] * g[5]) / total - 1) if total > 0 else float("nan")
     return figures
+
+
+def leaf_figures(pairs):
+    """Leaf areas of panels against truth; `pairs`: measured and true panel."""
+    known = [(v, t["leaf_area_m2"]) for v, t in pairs if v["leaf_area_m2"] is not None]
+    leaf, true = np.array([v["leaf_area_m2"] for v, _ in known]), np.array([t for _, t in known])
+    held = [v["ci_low_m2"] <= t <= v["ci_high_m2"] for v, t in known]
+    return {"panels": len(known), "unknown": len(pairs) - len(known), "true_m2": float(true.mean()),
+            "held": int(sum(held)), "half_interval_m2": float(np.mean([v["ci_high_m2"] - v["ci_low_m2"] for v, _ in known]) / 2),
+            "se_m2": float(np.mean([v["se_leaf_area_m2"] for v, _ in known])),
+            "bias_m2": float((leaf - true).mean()), "rms_m2": float(np.sqrt(np.mean((leaf - true) ** 2))),
+            "max_m2": float(np.abs(leaf - true).max()),
+            "plants_ratio": float(np.mean([v["plant_area_m2"] for v, _ in known]) /
+                                  np.mean([t["leaf_area_m2"] + t["wood_area_m2"] for _, t in pairs])),
+            "errors_m2": [float(e) for e in leaf - true], "trues_m2": [float(t) for t in true],
+            "ses_m2": [v["se_leaf_area_m2"] for v, _ in known],
+            "halves_m2": [v["ci_high_m2"] - v["leaf_area_m2"] for v, _ in known]}
+
+
+def leaf_misses(f, dormant):
+    """`dormant`: the scan is its own wood, and its leaf area known."""
+    out = ["leaf panels"] if f["unknown"] else []
+    if f["true_m2"] > 0:
+        if not TARGETS["leaf_ratio"][0] <= 1 + f["bias_m2"] / f["true_m2"] <= TARGETS["leaf_ratio"][1]:
+            out.append("leaf ratio")
+        if f["rms_m2"] / f["true_m2"] > TARGETS["leaf_rrmse"]:
+            out.append("leaf rrmse")
+    elif f["max_m2"] > (0 if dormant else TARGETS["leafless_m2"]):
+        out.append("leafless")
+    return out
+
+
+def print_leaves(everything):
+    print("\n| site | scan | wood of | true leaf area per panel m² | ratio | RRMSE | mean error m² | largest error m² | intervals that hold truth | half interval m² | misses |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    for name, scan, f, missed in everything:
+        ratio, rrmse = "–", "–"
+        if f["true_m2"] > 0:
+            ratio, rrmse = f"{1 + f['bias_m2'] / f['true_m2']:.3f}", f"{100 * f['rms_m2'] / f['true_m2']:.1f} %"
+        print(f"| {name} | {scan} | {f['wood']} | {f['true_m2']:.2f} | {ratio} | {rrmse} | {f['bias_m2']:+.3f} | {f['max_m2']:.3f} "
+              f"| {f['held']}/{f['panels']} | {f['half_interval_m2']:.2f} | {' '.join(missed) or '–'} |")
 
 
 def rotations(q):
@@ -306,7 +355,7 @@ def main():
     parser.add_argument("--reuse", action="store_true", help="take simulations that an earlier --keep left")
     arguments = parser.parse_args()
     keep = arguments.keep or arguments.reuse
-    everything, trajectories, bad = {}, [], False
+    everything, trajectories, leaf_areas, bad = {}, [], [], False
     targets = TARGETS_SLAM if arguments.slam else TARGETS
     print("| site | scan | plant area ratio | RRMSE | slope | rows | posts: median m, found, invented | ground RMSE open / vine, m | raster/panels | misses |")
     print("|---|---|---|---|---|---|---|---|---|---|")
@@ -316,8 +365,10 @@ def main():
         subprocess.run(["rm", "-rf", *([] if arguments.reuse else [folder]), *glob.glob(f"{folder}/block*"),
                         *glob.glob(f"{folder}/maps*")], check=True)
         with open(site_file, "rb") as file:
-            dates = [d["date"] + ("_" + d["name"] if d.get("name") else "") for d in tomllib.load(file)["date"]]
-        scans = [f"{folder}/logs/{date}" for date in sorted(dates)]
+            drives = {d["date"] + ("_" + d["name"] if d.get("name") else ""): d for d in tomllib.load(file)["date"]}
+        dates = sorted(drives)
+        bare = [d for d in dates if drives[d].get("leaf_fraction", 1) == 0]
+        scans = [f"{folder}/logs/{date}" for date in dates]
         ids, blocks = [], []
         for scan in scans:
             if not os.path.isdir(scan):
@@ -336,7 +387,8 @@ def main():
                 bad = bad or bool(figures["missed"])
             date, _, label = os.path.basename(scan).partition("_")
             added = run(arguments.rayfield, "add", block, rays, "--date", date, *(["--name", label] if label else []),
-                        *(["--no-restore-missing"] if arguments.no_restore_missing else []), "--json", "-q")
+                        *(["--no-restore-missing"] if arguments.no_restore_missing else []),
+                        *(["--dormant", "no"] if os.path.basename(scan) in bare[1:] else []), "--json", "-q")
             ids.append(added["scan_id"])
             if not keep:
                 for path in glob.glob(f"{scan}/*.ply") + glob.glob(f"{scan}/*.bag"):
@@ -349,6 +401,10 @@ def main():
             f = against_truth(maps_of(block), scan_id, f"{scan}/truth", crs)
             everything[name][scan_id] = f
             missed = misses(f, targets)
+            if "leaf" in f:
+                missed_leaves = leaf_misses(f["leaf"], f["leaf"]["wood"] == scan_id)
+                leaf_areas.append((name, scan_id, f["leaf"], missed_leaves))
+                bad = bad or bool(missed_leaves)
             bad = bad or bool(missed)
             print(f"| {name} | {scan_id} | {f['ratio']:.3f} | {100 * f.get('rrmse', float('nan')):.1f} % | {f.get('slope', float('nan')):.2f} "
                   f"| {f['rows_matched']}/{f['rows_true']} (found {f['rows_found']}) | {f.get('posts_m', float('nan')):.3f}, "
@@ -369,6 +425,8 @@ def main():
                 print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | {'repeat' if missed else '–'} |", flush=True)
         if not keep:
             subprocess.run(["rm", "-rf", folder], check=True)
+    if leaf_areas:
+        print_leaves(leaf_areas)
     if trajectories:
         print_trajectories(trajectories)
         everything["trajectories"] = [{"site": n, "scan": i, **f} for n, i, f in trajectories]
