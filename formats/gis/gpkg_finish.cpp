@@ -37,9 +37,9 @@ Result<void> describe_columns(const OpenGeoPackage& package, const BlockProducts
                              "'http://www.geopackage.org/spec121/#extension_schema', 'read-write')",
                              table)));
   }
-  const std::array<Table, 8> tables = {
-      vine_row_table(),  panel_table(),           post_table(),        scan_table(), panel_value_table(),
-      row_metre_table(), panel_wide_table(block), panel_by_date_view()};
+  const std::array<Table, 9> tables = {
+      vine_row_table(),  panel_table(),           post_table(),         scan_table(), panel_value_table(),
+      row_metre_table(), panel_wide_table(block), panel_by_date_view(), block_table()};
   for (const Table& table : tables) {
     for (const Column& column : table.columns) {
       RAYFIELD_CHECK(execute(

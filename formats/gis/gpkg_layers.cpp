@@ -46,7 +46,12 @@ class Row {
     return *this;
   }
   /// `date`: YYYY-MM-DD, already checked.
+  /// An empty one becomes NULL.
   Row& date(const std::string& date) {
+    if (date.empty()) {
+      feature_->SetFieldNull(column_++);
+      return *this;
+    }
     feature_->SetField(column_++, std::atoi(date.substr(0, 4).c_str()), std::atoi(date.substr(5, 2).c_str()),
                        std::atoi(date.substr(8, 2).c_str()));
     return *this;
@@ -88,12 +93,29 @@ Result<void> check_written(const OpenGeoPackage& package, bool written) {
   return package.gdal.failure(kWhat, package.target);
 }
 
+/// The last columns of rows, panels and posts.
+template <class Product>
+Result<void> put_validity(Row& out, const Product& product) {
+  for (const std::string& date : {product.valid_from, product.valid_to})
+    if (!date.empty()) RAYFIELD_CHECK(parse_date(date));
+  out.text(product.row_name).date(product.valid_from).date(product.valid_to).text(product.source);
+  return {};
+}
+
+Result<void> fill_block(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, block_table()));
+  Row out(*layer);
+  out.text(block.block).text(block.farm).text(block.variety);
+  return check_written(package, out.write());
+}
+
 Result<void> fill_rows(const OpenGeoPackage& package, const BlockProducts& block) {
   RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, vine_row_table()));
   for (const RowProduct& row : block.rows) {
     RAYFIELD_CHECK(check_finite(package, row.centreline, "row " + std::to_string(row.row_number)));
     Row out(*layer);
     out.text(row.row_uid).integer(row.row_number).real(row.length_m).real(row.spacing_m);
+    RAYFIELD_CHECK(put_validity(out, row));
     OGRLineString line;
     for (const Eigen::Vector2d& p : row.centreline) line.addPoint(p.x(), p.y());
     if (row.centreline.size() >= 2) out.geometry(line);
@@ -122,6 +144,7 @@ Result<void> fill_panels(const OpenGeoPackage& package, const BlockProducts& blo
     Row out(*layer);
     out.text(panel.panel_uid).integer(panel.row_number).integer(panel.panel_number).real(panel.length_m);
     out.real(panel.chainage_start_m).real(panel.chainage_end_m);
+    RAYFIELD_CHECK(put_validity(out, panel));
     RAYFIELD_CHECK(set_outline(package, panel, out));
     RAYFIELD_CHECK(check_written(package, out.write()));
   }
@@ -135,6 +158,7 @@ Result<void> fill_posts(const OpenGeoPackage& package, const BlockProducts& bloc
     Row out(*layer);
     out.text(post.post_uid).integer(post.row_number).real(post.chainage_m).real(post.ground_m).real(post.height_m);
     out.integer(post.detected ? 1 : 0).geometry(OGRPoint(post.position.x(), post.position.y()));
+    RAYFIELD_CHECK(put_validity(out, post));
     RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
@@ -239,7 +263,8 @@ Result<void> fill_tables(const OpenGeoPackage& package, const BlockProducts& blo
   RAYFIELD_CHECK(fill_scans(package, block));
   RAYFIELD_CHECK(fill_panel_values(package, block));
   RAYFIELD_CHECK(fill_row_metres(package, block));
-  return fill_panel_wide(package, block);
+  RAYFIELD_CHECK(fill_panel_wide(package, block));
+  return fill_block(package, block);
 }
 
 }  // namespace rayfield::formats::gpkg

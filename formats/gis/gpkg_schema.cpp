@@ -11,6 +11,10 @@ const Column panel_uid{"panel_uid", OFTString, "UUID of the panel, the same on a
 const Column row_number{"row_number", OFTInteger, "number of the row in the block, from 1"};
 const Column panel_number{"panel_number", OFTInteger, "number of the panel along its row, from 1"};
 const Column panel_length{"length_m", OFTReal, "length of the panel along the row, m"};
+const Column row_name{"row_name", OFTString, "the farm's name for the row; empty if it has none"};
+const Column valid_from{"valid_from", OFTDate, "known to stand from this date on; NULL: always"};
+const Column valid_to{"valid_to", OFTDate, "gone from this date on; NULL: still there"};
+const Column source{"source", OFTString, "surveyed, or the scan that it was found in"};
 const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table scan"};
 const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
 
@@ -30,7 +34,11 @@ Table vine_row_table() {
           {{"row_uid", OFTString, "UUID of the row, the same on all dates"},
            row_number,
            {"length_m", OFTReal, "length of the row, m"},
-           {"spacing_m", OFTReal, "mean distance to the neighbouring rows, m; NULL for a single row"}}};
+           {"spacing_m", OFTReal, "mean distance to the neighbouring rows, m; NULL for a single row"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
 }
 
 Table panel_table() {
@@ -42,7 +50,11 @@ Table panel_table() {
            panel_number,
            panel_length,
            {"chainage_start_m", OFTReal, "start of the panel along the row's centreline, m"},
-           {"chainage_end_m", OFTReal, "end of the panel along the row's centreline, m"}}};
+           {"chainage_end_m", OFTReal, "end of the panel along the row's centreline, m"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
 }
 
 Table post_table() {
@@ -54,7 +66,20 @@ Table post_table() {
            {"chainage_m", OFTReal, "position along the row's centreline, m"},
            {"ground_m", OFTReal, "height of the ground at the post, m"},
            {"height_m", OFTReal, "height of the post above the ground, m"},
-           {"detected", OFTInteger, "1: seen in a scan, 0: placed where the regular spacing wants one"}}};
+           {"detected", OFTInteger, "1: seen in a scan, 0: placed where the regular spacing or the survey wants one"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
+}
+
+Table block_table() {
+  return {"block",
+          "The block and what it is called",
+          wkbNone,
+          {{"block", OFTString, "name of the block"},
+           {"farm", OFTString, "name of the farm; empty if not given"},
+           {"variety", OFTString, "variety grown; empty if not given"}}};
 }
 
 Table scan_table() {

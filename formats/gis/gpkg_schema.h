@@ -29,6 +29,7 @@ struct Table {
 Table vine_row_table();
 Table panel_table();
 Table post_table();
+Table block_table();
 Table scan_table();
 Table panel_value_table();
 Table row_metre_table();

@@ -95,9 +95,11 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
   const Reader reader(folder / "a.gpkg");
   ASSERT_TRUE(reader.good());
   const std::map<std::string, std::vector<std::string>> contract = {
-      {"panel", {"panel_uid", "row_number", "panel_number", "length_m"}},
-      {"vine_row", {"row_number", "length_m"}},
-      {"post", {"row_number", "detected"}},
+      {"panel",
+       {"panel_uid", "row_number", "panel_number", "length_m", "row_name", "valid_from", "valid_to", "source"}},
+      {"vine_row", {"row_uid", "row_number", "length_m", "row_name", "valid_from", "valid_to", "source"}},
+      {"post", {"post_uid", "row_number", "detected", "row_name", "valid_from", "valid_to", "source"}},
+      {"block", {"block", "farm", "variety"}},
       {"scan",
        {"scan_id", "scan_date", "start_utc", "end_utc", "name", "ray_count", "offset_e_m", "offset_n_m", "offset_h_m",
         "yaw_mrad", "residual_m", "landmarks", "aligned", "wood_scan_id", "leaf_note"}},

@@ -12,13 +12,16 @@
 /// northing in the store's CRS, m. NaN = not scanned or undefined, 0 = scanned and empty.
 namespace rayfield {
 
-/// A row of vines. Row numbers count from 1 across the block, panel numbers from 1 along the row.
+/// A row of vines. Row numbers are the farm's own, or count from 1 across the block; panel numbers from 1 along the
+/// row. Dates `valid_from` and `valid_to` (the first on which it is gone) are YYYY-MM-DD; empty = no bound known.
 struct RowProduct {
   std::string row_uid;
   int row_number = 0;
   std::vector<Eigen::Vector2d> centreline;  ///< from the row's start to its end
   double length_m = 0;
   double spacing_m = 0;  ///< mean distance to the neighbouring rows; NaN for a single row
+  std::string row_name = {}, valid_from = {}, valid_to = {};
+  std::string source = {};  ///< "surveyed", or "found in <scan>"
 };
 
 struct PanelProduct {
@@ -27,6 +30,7 @@ struct PanelProduct {
   double chainage_start_m = 0, chainage_end_m = 0;  ///< along the row's centreline
   double length_m = 0;
   std::vector<Eigen::Vector2d> outline;  ///< closed ring, counter-clockwise
+  std::string row_name = {}, valid_from = {}, valid_to = {}, source = {};
 };
 
 struct PostProduct {
@@ -36,7 +40,8 @@ struct PostProduct {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double ground_m = 0;   ///< height of the ground at the post
   double height_m = 0;   ///< above the ground
-  bool detected = true;  ///< false: placed where the regular spacing wants one
+  bool detected = true;  ///< false: placed where the regular spacing or the survey wants one, not yet seen in a scan
+  std::string row_name = {}, valid_from = {}, valid_to = {}, source = {};
 };
 
 struct ScanProduct {
@@ -110,12 +115,13 @@ struct ScanResults {
 
 /// A block with all its dates (rasters travel apart: they are large).
 struct BlockProducts {
-  std::string block;  ///< name of the store
+  std::string block;  ///< its name: the store's folder's, or the one it was given
   std::string crs;    ///< "EPSG:7854"
   std::vector<RowProduct> rows;
   std::vector<PanelProduct> panels;
   std::vector<PostProduct> posts;
-  std::vector<ScanResults> scans;  ///< in the order of their dates
+  std::vector<ScanResults> scans;       ///< in the order of their dates
+  std::string farm = {}, variety = {};  ///< as named by the user; may be empty
 };
 
 }  // namespace rayfield
