@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "libdensity/tiles/stored.h"
 
@@ -11,6 +14,60 @@ namespace {
 using Numbers = std::vector<double>;
 using Integers = std::vector<std::int32_t>;
 using Flags = std::vector<std::uint8_t>;
+
+// A column of texts: each followed by a line feed.
+Flags texts_to_bytes(const std::vector<std::string>& texts) {
+  Flags bytes;
+  for (const std::string& text : texts) {
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    bytes.push_back('\n');
+  }
+  return bytes;
+}
+
+// Layouts of earlier versions have no such columns: every text is then empty.
+Result<std::vector<std::string>> texts(const tile::ArraySet& arrays, const std::string& name, std::size_t length) {
+  std::vector<std::string> out;
+  if (arrays.columns.count(name) == 0) return std::vector<std::string>(length);
+  RAYFIELD_ASSIGN(const auto bytes, arrays.column<std::uint8_t>(name));
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    if (byte != '\n') {
+      text += static_cast<char>(byte);
+      continue;
+    }
+    out.push_back(std::move(text));
+    text.clear();
+  }
+  if (out.size() != length || !text.empty())
+    return damaged(arrays, "column '" + name + "' has " + std::to_string(out.size()) + " texts, expected " +
+                               std::to_string(length));
+  return out;
+}
+
+// The texts of an identity and the columns that they stand in.
+constexpr std::pair<const char*, std::string Identity::*> kIdentityColumns[] = {
+    {"uid", &Identity::uid},           {"valid_from", &Identity::valid_from},
+    {"valid_to", &Identity::valid_to}, {"used_from", &Identity::used_from},
+    {"used_to", &Identity::used_to},   {"source", &Identity::source}};
+
+template <class Things>
+void put_identities(const std::string& prefix, const Things& things, tile::ArraySet& out) {
+  for (const auto& [name, member] : kIdentityColumns) {
+    std::vector<std::string> column;
+    for (const auto& thing : things) column.push_back(thing.identity.*member);
+    out.columns[prefix + name] = texts_to_bytes(column);
+  }
+}
+
+template <class Things>
+Result<void> get_identities(const tile::ArraySet& arrays, const std::string& prefix, Things& things) {
+  for (const auto& [name, member] : kIdentityColumns) {
+    RAYFIELD_ASSIGN(std::vector<std::string> column, texts(arrays, prefix + name, things.size()));
+    for (std::size_t i = 0; i < things.size(); ++i) things[i].identity.*member = std::move(column[i]);
+  }
+  return {};
+}
 
 void put_rows(const RowLayout& layout, tile::ArraySet& out) {
   Integers number, vertices;
@@ -24,6 +81,11 @@ void put_rows(const RowLayout& layout, tile::ArraySet& out) {
   out.columns["row_number"] = std::move(number), out.columns["row_vertices"] = std::move(vertices);
   out.columns["row_seen_from_left"] = std::move(left), out.columns["row_seen_from_right"] = std::move(right);
   out.columns["vertex_easting_m"] = std::move(east), out.columns["vertex_northing_m"] = std::move(north);
+  Integers farm_number;
+  std::vector<std::string> name;
+  for (const Row& row : layout.rows) farm_number.push_back(row.farm_number), name.push_back(row.name);
+  out.columns["row_farm_number"] = std::move(farm_number), out.columns["row_name"] = texts_to_bytes(name);
+  put_identities("row_", layout.rows, out);
 }
 
 void put_panels(const RowLayout& layout, tile::ArraySet& out) {
@@ -34,6 +96,7 @@ void put_panels(const RowLayout& layout, tile::ArraySet& out) {
   }
   out.columns["panel_row"] = std::move(row), out.columns["panel_number"] = std::move(number);
   out.columns["panel_start_m"] = std::move(start), out.columns["panel_end_m"] = std::move(end);
+  put_identities("panel_", layout.panels, out);
 }
 
 void put_posts(const RowLayout& layout, tile::ArraySet& out) {
@@ -51,6 +114,7 @@ void put_posts(const RowLayout& layout, tile::ArraySet& out) {
   out.columns["post_easting_m"] = std::move(east), out.columns["post_northing_m"] = std::move(north);
   out.columns["post_height_m"] = std::move(height), out.columns["post_radius_m"] = std::move(radius);
   out.columns["post_lean_east"] = std::move(lean_east), out.columns["post_lean_north"] = std::move(lean_north);
+  put_identities("post_", layout.posts, out);
 }
 
 void put_trunks(const RowLayout& layout, tile::ArraySet& out) {
@@ -84,7 +148,13 @@ Result<void> get_rows(const tile::ArraySet& arrays, RowLayout& layout) {
     layout.rows.push_back(std::move(row));
   }
   if (at != east.size()) return damaged(arrays, "vertices that belong to no row");
-  return {};
+  RAYFIELD_ASSIGN(std::vector<std::string> names, texts(arrays, "row_name", number.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) layout.rows[i].name = std::move(names[i]);
+  if (arrays.columns.count("row_farm_number") > 0) {
+    RAYFIELD_ASSIGN(const auto farm_number, stored_column<std::int32_t>(arrays, "row_farm_number", number.size()));
+    for (std::size_t i = 0; i < number.size(); ++i) layout.rows[i].farm_number = farm_number[i];
+  }
+  return get_identities(arrays, "row_", layout.rows);
 }
 
 Result<void> get_panels(const tile::ArraySet& arrays, RowLayout& layout) {
@@ -93,7 +163,7 @@ Result<void> get_panels(const tile::ArraySet& arrays, RowLayout& layout) {
   RAYFIELD_ASSIGN(const auto start, stored_column<double>(arrays, "panel_start_m", row.size()));
   RAYFIELD_ASSIGN(const auto end, stored_column<double>(arrays, "panel_end_m", row.size()));
   for (std::size_t i = 0; i < row.size(); ++i) layout.panels.push_back({row[i], number[i], start[i], end[i]});
-  return {};
+  return get_identities(arrays, "panel_", layout.panels);
 }
 
 Result<void> get_posts(const tile::ArraySet& arrays, RowLayout& layout) {
@@ -115,7 +185,7 @@ Result<void> get_posts(const tile::ArraySet& arrays, RowLayout& layout) {
     post.height_m = height[i], post.radius_m = radius[i];
     layout.posts.push_back(post);
   }
-  return {};
+  return get_identities(arrays, "post_", layout.posts);
 }
 
 Result<void> get_trunks(const tile::ArraySet& arrays, RowLayout& layout) {
@@ -134,9 +204,9 @@ Result<void> get_trunks(const tile::ArraySet& arrays, RowLayout& layout) {
 
 }  // namespace
 
-tile::ArraySet layout_to_arrays(const RowLayout& layout) {
+tile::ArraySet layout_to_arrays(const RowLayout& layout, const std::string& kind) {
   tile::ArraySet out;
-  out.kind = "rows", out.version = 1;
+  out.kind = kind, out.version = 1;
   nlohmann::json json{{"unit", "m"}};
   json["spacing_m"] = std::isfinite(layout.spacing_m) ? nlohmann::json(layout.spacing_m) : nlohmann::json();
   out.attributes = json.dump();
@@ -145,7 +215,8 @@ tile::ArraySet layout_to_arrays(const RowLayout& layout) {
 }
 
 Result<RowLayout> layout_from_arrays(const tile::ArraySet& arrays) {
-  RAYFIELD_ASSIGN(const nlohmann::json json, stored_attributes(arrays, "rows", 1));
+  const bool of_layout = arrays.kind == "survey" || arrays.kind == "found";
+  RAYFIELD_ASSIGN(const nlohmann::json json, stored_attributes(arrays, of_layout ? arrays.kind : "rows", 1));
   RowLayout layout;
   const auto spacing = json.find("spacing_m");
   if (spacing == json.end()) return damaged(arrays, "attribute 'spacing_m' is missing");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libdensity/layout/canopy_map.h"
@@ -13,8 +14,9 @@
 /// fit.
 namespace rayfield::density {
 
-/// Kind "rows" version 1: rows, panels, posts and trunks.
-tile::ArraySet layout_to_arrays(const RowLayout& layout);
+/// Version 1 of the kinds that hold a layout ("rows", "survey", "found"): rows, panels, posts and trunks. Columns of
+/// identities and names may be missing and are then empty, as in layouts stored before there were any.
+tile::ArraySet layout_to_arrays(const RowLayout& layout, const std::string& kind = "rows");
 Result<RowLayout> layout_from_arrays(const tile::ArraySet& arrays);
 
 }  // namespace rayfield::density

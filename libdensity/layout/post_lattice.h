@@ -6,12 +6,6 @@
 
 namespace rayfield::density {
 
-/// A stem with its place in its row.
-struct PlacedStem {
-  Stem stem;
-  double chainage_m = 0, across_m = 0;
-};
-
 /// Indices of the stems that are posts by themselves: as dense with hits above the trunks' height as below it, or solid
 /// within the canopy. Ascending.
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems);

@@ -19,30 +19,6 @@ namespace {
 constexpr const char* kWhat = "cannot find the posts";
 constexpr double kEndReach = 1.5;  // m; a post this close to where the canopy ends is the row's end post
 
-// The stems of one row along its centreline, each once.
-std::vector<PlacedStem> stems_of_row(const Row& row, std::span<const Stem> stems) {
-  std::vector<PlacedStem> placed;
-  for (const Stem& stem : stems) {
-    if (stem.row != row.number) continue;
-    const LineProjection on_line = project_onto_line(row.centreline, stem.position);
-    placed.push_back({stem, on_line.chainage_m, on_line.across_m});
-  }
-  std::sort(placed.begin(), placed.end(), [](const PlacedStem& a, const PlacedStem& b) {
-    return std::tie(a.chainage_m, a.across_m) < std::tie(b.chainage_m, b.across_m);
-  });
-  std::vector<PlacedStem> kept;
-  for (const PlacedStem& next : placed) {
-    const bool same = !kept.empty() && (kept.back().stem.position - next.stem.position).norm() <
-                                           kept.back().stem.radius_m + next.stem.radius_m + 0.05;
-    if (!same) {
-      kept.push_back(next);
-    } else if (next.stem.contrast > kept.back().stem.contrast) {
-      kept.back() = next;
-    }
-  }
-  return kept;
-}
-
 // Bends the centreline to the stems. The traced canopy holds it where there are none, loosely where only one side of
 // the canopy was seen.
 void refine_centreline(Row& row, const std::vector<PlacedStem>& posts, const std::vector<PlacedStem>& trunks,
@@ -156,6 +132,29 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
 }
 
 }  // namespace
+
+std::vector<PlacedStem> stems_of_row(const Row& row, std::span<const Stem> stems) {
+  std::vector<PlacedStem> placed;
+  for (const Stem& stem : stems) {
+    if (stem.row != row.number) continue;
+    const LineProjection on_line = project_onto_line(row.centreline, stem.position);
+    placed.push_back({stem, on_line.chainage_m, on_line.across_m});
+  }
+  std::sort(placed.begin(), placed.end(), [](const PlacedStem& a, const PlacedStem& b) {
+    return std::tie(a.chainage_m, a.across_m) < std::tie(b.chainage_m, b.across_m);
+  });
+  std::vector<PlacedStem> kept;
+  for (const PlacedStem& next : placed) {
+    const bool same = !kept.empty() && (kept.back().stem.position - next.stem.position).norm() <
+                                           kept.back().stem.radius_m + next.stem.radius_m + 0.05;
+    if (!same) {
+      kept.push_back(next);
+    } else if (next.stem.contrast > kept.back().stem.contrast) {
+      kept.back() = next;
+    }
+  }
+  return kept;
+}
 
 Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, const PostOptions& options) {
   RAYFIELD_CHECK(options.validate());

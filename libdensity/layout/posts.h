@@ -27,6 +27,15 @@ struct Stem {
   bool operator==(const Stem&) const = default;
 };
 
+/// A stem with its place in its row.
+struct PlacedStem {
+  Stem stem;
+  double chainage_m = 0, across_m = 0;
+};
+
+/// The stems of one row along its centreline, each once (neighbouring tiles both see one on their border).
+std::vector<PlacedStem> stems_of_row(const Row& row, std::span<const Stem> stems);
+
 struct PostReport {
   double panel_length_m = 0;  ///< usual distance of posts; NaN if not found
   int detected = 0, inferred = 0, trunks = 0;

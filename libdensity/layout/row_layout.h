@@ -1,18 +1,38 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "rayfield/core/grid3.h"
 
 namespace rayfield::density {
 
+/// What names a row, panel or post for ever, and from when to when it stands. Dates are YYYY-MM-DD; `to` dates are the
+/// first on which it is gone, empty = no bound known.
+struct Identity {
+  std::string uid;                   ///< UUID; never changes, also when the geometry is refined
+  std::string valid_from, valid_to;  ///< in the field
+  /// The scans that take it into account, by their date. Not the same as the dates above: what a later scan teaches
+  /// changes none of the scans before it (docs/registry.md).
+  std::string used_from, used_to;
+  std::string source;  ///< "found in <scan>" or "surveyed"
+  bool used_on(std::string_view date) const {
+    return (used_from.empty() || used_from <= date) && (used_to.empty() || date < used_to);
+  }
+};
+
 /// A row of vines as geometry: a centreline with chainage. Positive across = left of the direction of the line.
 struct Row {
   int number = 0;                           ///< from 1, in the order across the block
   std::vector<Eigen::Vector2d> centreline;  ///< vertices, m; first = chainage 0, at the row's first end
   bool seen_from_left = true, seen_from_right = true;
+  Identity identity = {};
+  int farm_number = 0;    ///< the farm's own number for it; 0: none, `number` stands for it
+  std::string name = {};  ///< the farm's name for it; may be empty
   double length_m() const;
+  int shown_number() const { return farm_number > 0 ? farm_number : number; }
 };
 
 /// Part of a row between two posts (or of a given length).
@@ -20,6 +40,7 @@ struct Panel {
   int row = 0;                    ///< Row::number
   int number = 0;                 ///< from 1 along the row
   double start_m = 0, end_m = 0;  ///< chainage
+  Identity identity = {};
 };
 
 struct Post {
@@ -30,7 +51,9 @@ struct Post {
   double radius_m = 0.05;
   Eigen::Vector2d lean =
       Eigen::Vector2d::Zero();  ///< horizontal shift per metre of height, map axes; position is at the ground
-  bool detected = true;         ///< false: placed where the regular spacing wants one
+  bool detected = true;         ///< false: placed where the regular spacing or a survey wants one
+  /// Its `used_from` and `used_to` are those of the wood: what a scan subtracts.
+  Identity identity = {};
 };
 
 /// The stem of a vine between the ground and its cordon: wood whose hits are not leaves.
@@ -42,7 +65,7 @@ struct Trunk {
   double top_m = 0;  ///< above the ground: where the stem is last seen as one
 };
 
-/// The lay-out of a block: what is found once, in the first scan, and kept.
+/// The lay-out of a block: surveyed, or found in the first scan; kept, and completed by what later scans see.
 struct RowLayout {
   double spacing_m = 0;  ///< median distance of neighbouring rows; NaN for a single row
   std::vector<Row> rows;

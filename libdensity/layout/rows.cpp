@@ -17,17 +17,6 @@ double angle_between_lines(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return std::acos(std::clamp(std::abs(a.normalized().dot(b.normalized())), 0.0, 1.0));
 }
 
-// Share of a line's vertices that lie beside another line, closer than `distance_m`.
-double share_beside(const std::vector<Eigen::Vector2d>& line, const std::vector<Eigen::Vector2d>& other,
-                    double distance_m) {
-  std::size_t near = 0;
-  for (const auto& p : line) {
-    const LineProjection on_line = project_onto_line(other, p);
-    if (on_line.inside && std::abs(on_line.across_m) < distance_m) ++near;
-  }
-  return static_cast<double>(near) / static_cast<double>(line.size());
-}
-
 bool cross(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
   int before = 0;
   for (const auto& p : a) {
@@ -37,28 +26,6 @@ bool cross(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vecto
     before = side;
   }
   return false;
-}
-
-// Which part of a row was driven along on its left and on its right, each 0…1.
-std::pair<double, double> driven_shares(const std::vector<Eigen::Vector2d>& line, const std::vector<Pass>& passes,
-                                        const RowOptions& options) {
-  const double length = polyline_length(line);
-  const std::size_t bins = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(length)));
-  std::vector<bool> left(bins, false), right(bins, false);
-  for (const Pass& pass : passes)
-    for (std::size_t i = 0; i < pass.line.size(); ++i) {
-      const LineProjection on_line = project_onto_line(line, pass.line[i]);
-      if (!on_line.inside || std::abs(on_line.across_m) > options.max_offset_m + 0.5) continue;
-      const Eigen::Vector2d u = pass.line[std::min(i + 1, pass.line.size() - 1)] - pass.line[i > 0 ? i - 1 : 0];
-      if (angle_between_lines(u, point_at(line, on_line.chainage_m).direction) > M_PI / 6) continue;
-      const std::size_t bin =
-          std::min(bins - 1, static_cast<std::size_t>(on_line.chainage_m / length * static_cast<double>(bins)));
-      (on_line.across_m > 0 ? left : right)[bin] = true;
-    }
-  const auto share = [bins](const std::vector<bool>& seen) {
-    return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(bins);
-  };
-  return {share(left), share(right)};
 }
 
 double median(std::vector<double> values) {
@@ -107,6 +74,36 @@ std::string refuse(const Ridge& ridge, double driven, double usual_strength, con
 }
 
 }  // namespace
+
+std::pair<double, double> driven_shares(std::span<const Eigen::Vector2d> line, std::span<const Pass> passes,
+                                        const RowOptions& options) {
+  const double length = polyline_length(line);
+  const std::size_t bins = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(length)));
+  std::vector<bool> left(bins, false), right(bins, false);
+  for (const Pass& pass : passes)
+    for (std::size_t i = 0; i < pass.line.size(); ++i) {
+      const LineProjection on_line = project_onto_line(line, pass.line[i]);
+      if (!on_line.inside || std::abs(on_line.across_m) > options.max_offset_m + 0.5) continue;
+      const Eigen::Vector2d u = pass.line[std::min(i + 1, pass.line.size() - 1)] - pass.line[i > 0 ? i - 1 : 0];
+      if (angle_between_lines(u, point_at(line, on_line.chainage_m).direction) > M_PI / 6) continue;
+      const std::size_t bin =
+          std::min(bins - 1, static_cast<std::size_t>(on_line.chainage_m / length * static_cast<double>(bins)));
+      (on_line.across_m > 0 ? left : right)[bin] = true;
+    }
+  const auto share = [bins](const std::vector<bool>& seen) {
+    return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(bins);
+  };
+  return {share(left), share(right)};
+}
+
+double share_beside(std::span<const Eigen::Vector2d> line, std::span<const Eigen::Vector2d> other, double distance_m) {
+  std::size_t near = 0;
+  for (const auto& p : line) {
+    const LineProjection on_line = project_onto_line(other, p);
+    if (on_line.inside && std::abs(on_line.across_m) < distance_m) ++near;
+  }
+  return static_cast<double>(near) / static_cast<double>(line.size());
+}
 
 Result<RowFindings> find_rows(std::span<const PathPoint> path, const CanopyMap& canopy, const RowOptions& options) {
   RAYFIELD_CHECK(options.validate());

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libdensity/layout/canopy_map.h"
@@ -23,6 +24,13 @@ struct RowFindings {
   RowLayout layout;  ///< rows and spacing; no posts or panels yet
   std::vector<RejectedRow> rejected;
 };
+
+/// Which part of a line was driven along on its left and on its right, each 0…1.
+std::pair<double, double> driven_shares(std::span<const Eigen::Vector2d> line, std::span<const Pass> passes,
+                                        const RowOptions& options);
+
+/// Share of a line's vertices that lie beside another line, closer than `distance_m`.
+double share_beside(std::span<const Eigen::Vector2d> line, std::span<const Eigen::Vector2d> other, double distance_m);
 
 /// Finds all rows that were driven along. No passes or no canopy gives an empty layout (not an error).
 /// Rows are numbered from 1 from the left of the canonical direction: northward, or eastward for rows within 15° of

@@ -31,4 +31,6 @@ Result<void> PostOptions::validate() const {
   return {};
 }
 
+Result<void> RegistryOptions::validate() const { return check_option_ranges(*this, "cannot keep the registry"); }
+
 }  // namespace rayfield::density

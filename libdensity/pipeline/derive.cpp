@@ -48,18 +48,17 @@ void Derivation::keep(const tile::DerivedEntry& entry, bool made) {
   ++(made ? total_.made : total_.kept);
 }
 
-std::string Derivation::sha256(const std::string& kind, const std::string& name) const {
+tile::DerivedEntry Derivation::entry(const std::string& kind, const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  return entries_.at({kind, name}).file.sha256;
+  return entries_.at({kind, name});
+}
+
+std::string Derivation::sha256(const std::string& kind, const std::string& name) const {
+  return entry(kind, name).file.sha256;
 }
 
 Result<tile::ArraySet> Derivation::read(const std::string& kind, const std::string& name) const {
-  tile::DerivedEntry entry;
-  {
-    const std::lock_guard lock(mutex_);
-    entry = entries_.at({kind, name});
-  }
-  return store_.read_derived(entry);
+  return store_.read_derived(entry(kind, name));
 }
 
 StageCount Derivation::total() const {

@@ -63,6 +63,11 @@ class Derivation {
   /// SHA-256 of the file made or kept under that kind and name.
   std::string sha256(const std::string& kind, const std::string& name) const;
 
+  tile::DerivedEntry entry(const std::string& kind, const std::string& name) const;
+
+  /// Takes a file of the store into the set as it is.
+  void take(const tile::DerivedEntry& entry) { keep(entry, false); }
+
   /// The file made or kept under that kind and name, read again.
   Result<tile::ArraySet> read(const std::string& kind, const std::string& name) const;
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/pipeline/block_registry.h"
 #include "libdensity/pipeline/layout_store.h"
 #include "libdensity/pipeline/scan_stages.h"
 #include "rayfield/core/parallel.h"
@@ -127,14 +128,15 @@ Result<std::optional<BlockLandmarks>> reference_landmarks(tile::Store& store, co
   Derivation files(store, writer, scan.scan_id, false);
   ScanWork work{store, scan, options, files, progress, thread_count(options.threads)};
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
-  RAYFIELD_ASSIGN(BlockLayout block, read_layout(store, snapshot));
-  if (!block.known) {
-    RAYFIELD_CHECK(adopt_layout(work, surveyed, writer, block));
-    // What the scan has beside survey and ground would be dropped here.
-    if (scan.derived.empty()) RAYFIELD_CHECK(files.finish());
-    RAYFIELD_CHECK(writer.commit(command));
-  }
-  return landmarks_of(block.layout, surveyed);
+  RAYFIELD_ASSIGN(const BlockLayout today, read_layout(store, snapshot));
+  if (today.known) return landmarks_of(today.layout, surveyed);
+  RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
+  RAYFIELD_CHECK(registry.adopt(work, surveyed, writer));
+  RAYFIELD_ASSIGN(const RowLayout layout, registry.finish(writer));
+  // What the scan has beside survey and ground would be dropped here.
+  if (scan.derived.empty()) RAYFIELD_CHECK(files.finish());
+  RAYFIELD_CHECK(writer.commit(command));
+  return landmarks_of(layout, surveyed);
 }
 
 }  // namespace rayfield::density

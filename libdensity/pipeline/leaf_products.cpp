@@ -119,7 +119,7 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   }
   const std::string key = leaf_key(work, voxels, wood, counted), &crs = work.store.config().crs;
   RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
-  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, crs, {}));
+  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
 
   std::optional<LeafMaps> maps;
   const auto made = [&]() -> Result<void> {
@@ -132,13 +132,13 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("leaf", "block", key, [&]() -> Result<tile::ArraySet> {
     RAYFIELD_CHECK(made());
-    return leaf_to_arrays(maps->values, layout, crs);
+    return leaf_to_arrays(maps->values, layout);
   }));
   RAYFIELD_CHECK(work.files.get("raster", kLeafRasterName, key, [&]() -> Result<tile::ArraySet> {
     RAYFIELD_CHECK(made());
     return raster_to_arrays(maps->raster);
   }));
-  RAYFIELD_CHECK(put_leaf_values(arrays, layout, crs, results));
+  RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
   return report_of(results);
 }
 

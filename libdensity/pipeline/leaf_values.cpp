@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "libdensity/pipeline/layout_products.h"
 
 namespace rayfield::density {
 namespace {
@@ -31,12 +30,12 @@ tl::unexpected<Error> damaged(const std::string& why) {
 
 }  // namespace
 
-tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout, const std::string& crs) {
+tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout) {
   tile::ArraySet arrays;
   arrays.kind = kKind, arrays.version = kVersion;
   arrays.attributes = json{{"wood_scan_id", leaf.wood_scan_id}, {"wood_content", leaf.wood_content}}.dump();
   std::map<std::string, const Panel*> panels;
-  for (const Panel& panel : layout.panels) panels[panel_uid(panel, layout, crs)] = &panel;
+  for (const Panel& panel : layout.panels) panels[panel.identity.uid] = &panel;
   std::vector<std::int32_t> row, number;
   for (const PanelValue& value : leaf.panels) {
     const Panel* panel = panels.at(value.panel_uid);
@@ -53,13 +52,13 @@ tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout, c
   return arrays;
 }
 
-Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout, const std::string& crs,
+Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout,
                              ScanResults& results) {
   RAYFIELD_ASSIGN(const WoodSource source, wood_source_of(arrays));
   std::map<std::string, PanelValue*> values;
   for (PanelValue& value : results.panel_values) values[value.panel_uid] = &value;
   std::map<std::pair<int, int>, std::string> uids;
-  for (const Panel& panel : layout.panels) uids[{panel.row, panel.number}] = panel_uid(panel, layout, crs);
+  for (const Panel& panel : layout.panels) uids[{panel.row, panel.number}] = panel.identity.uid;
 
   RAYFIELD_ASSIGN(const auto row, arrays.column<std::int32_t>("panel_row"));
   RAYFIELD_ASSIGN(const auto number, arrays.column<std::int32_t>("panel_number"));

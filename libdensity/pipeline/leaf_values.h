@@ -20,9 +20,9 @@ struct LeafValues {
 };
 
 /// Stored form, kind "leaf" version 1: panels are named by their numbers, and hold leaf areas and their errors only.
-tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout, const std::string& crs);
+tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout);
 /// Puts stored leaf areas into the results they were made from, and says whose wood was subtracted. Errors: damaged.
-Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout, const std::string& crs,
+Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout,
                              ScanResults& results);
 
 /// Of stored leaf areas: whose wood was subtracted.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "libdensity/ground/ground_arrays.h"
 #include "libdensity/pipeline/layout_products.h"
@@ -10,6 +12,7 @@
 #include "libdensity/pipeline/leaf_values.h"
 #include "libdensity/pipeline/results_io.h"
 #include "rayfield/core/date.h"
+#include "rayfield/density/registry.h"
 
 namespace rayfield::density {
 namespace {
@@ -47,7 +50,7 @@ Result<void> add_leaf_values(const tile::Store& store, const tile::ScanEntry& sc
                              ScanResults& results) {
   if (const tile::DerivedEntry* entry = find_derived(scan.derived, "leaf", "block")) {
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
-    RAYFIELD_CHECK(put_leaf_values(arrays, layout, store.config().crs, results));
+    RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
     if (results.scan.wood_scan_id == scan.scan_id) results.scan.leaf_note = "dormant: leaf area is 0 by definition";
     return {};
   }
@@ -62,6 +65,23 @@ double outline_half_width(const std::vector<ScanResults>& scans) {
     for (const PanelValue& value : scan.panel_values)
       if (std::isfinite(value.canopy_width_m)) width = std::max(width, value.canopy_width_m);
   return width / 2;
+}
+
+// Results are stored by the registry's own numbers; products show the farm's.
+void show_farm_numbers(const RowLayout& layout, ScanResults& results) {
+  std::map<int, int> shown;
+  for (const Row& row : layout.rows) shown[row.number] = row.shown_number();
+  const auto show = [&shown](int& number) {
+    if (const auto it = shown.find(number); it != shown.end()) number = it->second;
+  };
+  for (RowMetreProduct& metre : results.row_metres) show(metre.row_number);
+  for (SectionProduct& section : results.sections) {
+    const std::string own = std::to_string(section.row_number);
+    show(section.row_number);
+    const std::size_t at = section.name.rfind(own);
+    if (at != std::string::npos && at + own.size() == section.name.size())
+      section.name.replace(at, own.size(), std::to_string(section.row_number));
+  }
 }
 
 Result<GroundModel> load_ground(const tile::Store& store, const tile::ScanEntry& scan) {
@@ -112,15 +132,18 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
     const tile::DerivedEntry* entry = find_derived(scan.derived, "results", "block");
     if (entry == nullptr) return not_processed(scan.scan_id);
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
-    RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(arrays, block.layout, store.config().crs, describe(scan)));
+    RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(arrays, block.layout, describe(scan)));
     RAYFIELD_CHECK(add_leaf_values(store, scan, block.layout, results));
+    show_farm_numbers(block.layout, results);
     scans.push_back(std::move(results));
     if (first == nullptr) first = &scan;
   }
   if (first == nullptr) return not_processed(store.folder().string());
   RAYFIELD_ASSIGN(const GroundModel ground, load_ground(store, *first));
+  RAYFIELD_ASSIGN(const BlockNames names, read_names(store, snapshot));
   BlockProducts products =
-      layout_products(block.layout, store.block_name(), store.config().crs, ground, outline_half_width(scans));
+      layout_products(block.layout, names.block, store.config().crs, ground, outline_half_width(scans));
+  products.farm = names.farm, products.variety = names.variety;
   products.scans = std::move(scans);
   return products;
 }

@@ -2,13 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
 #include <list>
 #include <map>
 #include <memory>
 
+#include "libdensity/pipeline/block_registry.h"
 #include "libdensity/pipeline/block_seasons.h"
-#include "libdensity/pipeline/layout_store.h"
 #include "libdensity/pipeline/leaf_products.h"
 #include "libdensity/pipeline/scan_products.h"
 #include "libdensity/pipeline/scan_stages.h"
@@ -25,31 +24,35 @@ namespace {
 struct ScanInWork {
   std::unique_ptr<Derivation> files;
   ScanWork work;
+  RowLayout layout = {};  // what was known of the block up to it
   ScanVoxels voxels = {};
   ScanTotals totals = {};
   ScanReport report = {};
 };
 
 // One scan, from its rays to the maps of its plants. Finds the block's layout on the way if there is none yet.
-Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer, BlockLayout& block) {
+Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer, BlockRegistry& registry) {
   ScanWork& work = scan.work;
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
-  if (!block.known) RAYFIELD_CHECK(adopt_layout(work, surveyed, writer, block));
-  work.layout_key = block.key;
+  if (!registry.known()) RAYFIELD_CHECK(registry.adopt(work, surveyed, writer));
+  RAYFIELD_CHECK(registry.take_evidence(work, surveyed));
+  scan.layout = registry.layout_for(work.scan);
+  const RowLayout& layout = scan.layout;
+  work.layout_key = geometry_key(layout);
   work.voxels = work.options.voxels;
   const bool counts_all = holds_downward_misses(surveyed.surveys);
   if (counts_all) work.voxels.sure_return_m = 0;
 
-  scan.voxels.wood = wood_of(block.layout, surveyed.ground);
-  RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, block.layout, surveyed.ground));
+  scan.voxels.wood = wood_of(layout, surveyed.ground);
+  RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
   RAYFIELD_ASSIGN(const double voxel_m,
-                  choose_voxel_size(work, block.layout, surveyed.ground, profile, scan.voxels.wood));
-  RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, block.layout, surveyed.ground, profile, voxel_m));
+                  choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood));
+  RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(scan.voxels.tiles,
                   count_voxels(work, {work.scan, work.voxels, ""}, scan.voxels.row_segments, scan.voxels.wood));
-  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, block.layout, surveyed, scan.voxels.row_segments,
+  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels.row_segments,
                                                             scan.voxels.wood, scan.voxels.tiles));
-  RAYFIELD_ASSIGN(scan.totals, total_scan(work, block.layout, results, counts_all));
+  RAYFIELD_ASSIGN(scan.totals, total_scan(work, layout, results, counts_all));
   scan.report.scan_id = work.scan.scan_id;
   scan.report.rays = work.scan.ray_count;
   scan.report.plant_area_m2 = scan.totals.plant_area_m2;
@@ -59,7 +62,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
 }
 
 // Its leaves, where the block has a dormant scan; what is noteworthy about them goes into the report.
-Result<void> process_leaves(ScanInWork& scan, const RowLayout& layout, const BlockSeasons& seasons) {
+Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string& scan_id = scan.work.scan.scan_id;
   std::vector<std::string>& notes = scan.report.notes;
   const std::string verdict = seasons.verdict_on(scan_id);
@@ -69,7 +72,7 @@ Result<void> process_leaves(ScanInWork& scan, const RowLayout& layout, const Blo
     notes.emplace_back(kWoodInLeafArea);
     return {};
   }
-  RAYFIELD_ASSIGN(const LeafReport leaves, separate_leaves(scan.work, layout, scan.voxels, *wood));
+  RAYFIELD_ASSIGN(const LeafReport leaves, separate_leaves(scan.work, scan.layout, scan.voxels, *wood));
   scan.report.leaf_area_m2 = leaves.leaf_area_m2;
   scan.report.wood_scan_id = wood->scan.scan_id;
   if (leaves.without_wood > 0)
@@ -103,32 +106,33 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
     return fail(ErrorCode::usage, "nothing to process", store.folder().string(), "the store holds no scan yet",
                 "add one with `rayfield add`");
   RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, select_scans(snapshot, options.dates));
-  RAYFIELD_ASSIGN(BlockLayout block, load_layout(store, snapshot, options));
+  RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
 
   ProcessReport report;
-  report.layout_is_new = !block.known;
+  report.layout_is_new = !registry.known();
   std::list<ScanInWork> scans;
   std::map<std::string, ScanTotals> totals;
   for (const std::string& scan_id : scan_ids) {
     auto files = std::make_unique<Derivation>(store, writer, scan_id, options.redo);
     ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress, thread_count(options.threads)};
     ScanInWork& scan = scans.emplace_back(ScanInWork{std::move(files), std::move(work)});
-    RAYFIELD_CHECK(process_plants(scan, writer, block));
+    RAYFIELD_CHECK(process_plants(scan, writer, registry));
     totals[scan_id] = scan.totals;
   }
   RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals));
   for (ScanInWork& scan : scans) {
-    RAYFIELD_CHECK(process_leaves(scan, block.layout, seasons));
+    RAYFIELD_CHECK(process_leaves(scan, seasons));
     RAYFIELD_CHECK(scan.files->finish());
     scan.report.files_made = scan.files->total().made, scan.report.files_kept = scan.files->total().kept;
     report.scans.push_back(scan.report);
   }
   RAYFIELD_ASSIGN(report.outdated_leaf_areas, find_outdated(store, snapshot, scans, seasons));
+  RAYFIELD_ASSIGN(const RowLayout layout, registry.finish(writer));
   RAYFIELD_CHECK(writer.commit(command));
-  report.rows = block.layout.rows.size();
-  report.panels = block.layout.panels.size();
-  report.posts = block.layout.posts.size();
-  report.notes = block.notes;
+  report.rows = layout.rows.size();
+  report.panels = layout.panels.size();
+  report.posts = layout.posts.size();
+  report.notes = registry.notes();
   return report;
 }
 

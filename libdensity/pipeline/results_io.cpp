@@ -1,5 +1,4 @@
 #include "libdensity/pipeline/results_io.h"
-#include "libdensity/pipeline/layout_products.h"
 
 #include <array>
 #include <map>
@@ -53,11 +52,11 @@ Result<Grid2<float>> grid_from(const json& description, std::span<const float> v
 
 }  // namespace
 
-tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& layout, const std::string& crs) {
+tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& layout) {
   tile::ArraySet arrays;
   arrays.kind = "results";
   std::map<std::string, const Panel*> panels;
-  for (const Panel& panel : layout.panels) panels[panel_uid(panel, layout, crs)] = &panel;
+  for (const Panel& panel : layout.panels) panels[panel.identity.uid] = &panel;
 
   std::vector<std::int32_t> row, number;
   std::vector<std::int64_t> rays;
@@ -102,13 +101,13 @@ tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& la
   return arrays;
 }
 
-Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout, const std::string& crs,
+Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout,
                                         const ScanProduct& scan) {
   if (arrays.kind != "results" || arrays.version != 1) return damaged(arrays.kind, "not results of version 1");
   ScanResults results;
   results.scan = scan;
   std::map<std::pair<int, int>, std::string> uids;
-  for (const Panel& panel : layout.panels) uids[{panel.row, panel.number}] = panel_uid(panel, layout, crs);
+  for (const Panel& panel : layout.panels) uids[{panel.row, panel.number}] = panel.identity.uid;
 
   RAYFIELD_ASSIGN(const auto row, arrays.column<std::int32_t>("panel_row"));
   RAYFIELD_ASSIGN(const auto number, arrays.column<std::int32_t>("panel_number"));

@@ -10,7 +10,6 @@
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
 #include "libdensity/layout/polyline.h"
-#include "libdensity/pipeline/layout_products.h"
 #include "libdensity/pipeline/results_io.h"
 #include "libdensity/pipeline/row_voxels.h"
 #include "libdensity/tiles/accumulate.h"
@@ -34,7 +33,7 @@ Result<void> integrate_one(ScanWork& work, const RowLayout& layout, const Row& r
   const std::vector<Panel> panels = panels_of(layout, row.number);
   std::vector<PanelValue> values = integrate_panels(density, panels, layout.spacing_m, work.options.integration);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i].panel_uid = panel_uid(panels[i], layout, work.store.config().crs);
+    values[i].panel_uid = panels[i].identity.uid;
     maps.results.panel_values.push_back(std::move(values[i]));
   }
   for (RowMetreProduct& metre : row_metres(density, row.length_m(), work.options.integration)) {
@@ -145,7 +144,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("results", "block", key, [&]() -> Result<tile::ArraySet> {
     RAYFIELD_CHECK(made());
-    return results_to_arrays(maps->results, layout, work.store.config().crs);
+    return results_to_arrays(maps->results, layout);
   }));
   for (const char* name : kRasterNames) {
     RAYFIELD_CHECK(work.files.get("raster", name, key, [&]() -> Result<tile::ArraySet> {
@@ -155,7 +154,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
       return fail(ErrorCode::internal, "cannot make raster", name, "no such raster", "please report this");
     }));
   }
-  return results_from_arrays(arrays, layout, work.store.config().crs, {});
+  return results_from_arrays(arrays, layout, {});
 }
 
 }  // namespace rayfield::density

@@ -7,6 +7,7 @@
 #include "rayfield/density/missing_rays.h"    // restores the rays that clouds leave out
 #include "rayfield/density/options.h"         // options of voxels, density and maps, and all of them together
 #include "rayfield/density/process.h"         // runs all stages over a store
+#include "rayfield/density/registry.h"        // rows, panels, posts: what they are called, what a scan is aligned to
 
 /// How it is done stands in the folders of the library, in this order, each using only those before it:
 ///   options      what can be set, and whether it fits together

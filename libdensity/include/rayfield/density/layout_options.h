@@ -168,4 +168,35 @@ struct PostOptions {
   Result<void> validate() const;
 };
 
+/// How the registry learns from later scans (docs/registry.md).
+struct RegistryOptions {
+  double known_within_m = 0.15;
+  double same_post_m = 0.25;
+  double same_place_m = 0.05;
+  int present_dates = 2;
+  int absent_dates = 2;
+  double min_seen_share = 0.8;
+  double min_driven_share = 0.5;
+  int min_row_stems = 3;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.number("known_within_m", o.known_within_m, {0.02, 0.5},
+             "A stem this close to a known post or trunk is that one, seen again");
+    v.number("same_post_m", o.same_post_m, {0.05, 1},
+             "A post this close to one that was placed by spacing or survey is that one, seen for the first time");
+    v.number("same_place_m", o.same_place_m, {0.01, 0.2},
+             "An unknown post of several dates has to stand in one place to within this");
+    v.integer("present_dates", o.present_dates, {1, 20}, "Dates on which an unknown post has to be seen to be one");
+    v.integer("absent_dates", o.absent_dates, {2, 20},
+              "Dates in a row on which a well observed post or row has to be missing to be gone");
+    v.number("min_seen_share", o.min_seen_share, {0.5, 1},
+             "Of a post's neighbours that a scan has to show for the post's own place to count as well observed");
+    v.number("min_driven_share", o.min_driven_share, {0.1, 1},
+             "Of a row's length that has to be driven along for the row to be missed");
+    v.integer("min_row_stems", o.min_row_stems, {1, 100}, "Posts and trunks that a new row has to show");
+  }
+  Result<void> validate() const;
+};
+
 }  // namespace rayfield::density

@@ -216,6 +216,7 @@ struct ProcessOptions {
   CanopyMapOptions canopy;
   RowOptions rows;
   PostOptions posts;
+  RegistryOptions registry;
   RowSegmentOptions segments;
   VoxelFitOptions voxel_fit;
   VoxelOptions voxels;
@@ -236,6 +237,7 @@ struct ProcessOptions {
     v.group("canopy", o.canopy);
     v.group("rows", o.rows);
     v.group("posts", o.posts);
+    v.group("registry", o.registry);
     v.group("segments", o.segments);
     v.group("voxel_fit", o.voxel_fit);
     v.group("voxels", o.voxels);
