@@ -18,6 +18,7 @@ void add_status_command(Commands& commands);
 void add_log_command(Commands& commands);
 void add_gc_command(Commands& commands);
 void add_info_command(Commands& commands);
+void add_registry_command(Commands& commands);
 void add_options_command(Commands& commands);
 
 /// What a store holds: `status`, and `info` of a store.

@@ -2,21 +2,37 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "rayfield/core/map_frame.h"
+#include "rayfield/density/registry.h"
+#include "rayfield/formats/reference_file.h"
 #include "rayfield/tile/tile.h"
 
 namespace rayfield::cli {
 namespace {
 
-Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& config, const Context& context) {
+// Reads the reference before the store is made: what is wrong with it must not leave a store behind.
+Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& config, const std::string& reference,
+                         const Context& context) {
   RAYFIELD_CHECK(config.validate());
   RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(config.crs));
   if (std::filesystem::exists(std::filesystem::path(folder) / "store.json"))
     return fail(ErrorCode::usage, "cannot make a store", folder, "there is one already",
                 "see `rayfield status`, or give another folder");
-  if (!context.options.dry_run) RAYFIELD_CHECK(tile::Store::create(folder, config));
+  std::optional<SurveyedBlock> survey;
+  if (!reference.empty()) {
+    RAYFIELD_ASSIGN(survey, formats::read_reference_file(reference, config.crs));
+    RAYFIELD_CHECK(density::check_survey(*survey));
+  }
+  density::ImportReport taken;
+  if (!context.options.dry_run) {
+    RAYFIELD_ASSIGN(tile::Store store, tile::Store::create(folder, config));
+    if (survey) {
+      RAYFIELD_ASSIGN(taken, density::import_reference(store, *survey, context.command_line));
+    }
+  }
   Outcome outcome;
   outcome.data = {{"store", folder},
                   {"crs", crs.code},
@@ -25,6 +41,11 @@ Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& con
                   {"dry_run", context.options.dry_run}};
   outcome.text = fmt::format("{} {}: {} ({}), tiles of {} m\n", context.options.dry_run ? "Would make" : "Made", folder,
                              crs.code, crs.name, config.tile_size_m);
+  if (!survey) return outcome;
+  outcome.data["reference"] = reference;
+  if (context.options.dry_run) return outcome;
+  outcome.data["rows"] = taken.rows, outcome.data["posts"] = taken.posts;
+  outcome.text += fmt::format("{} rows and {} posts of {} rule the layout\n", taken.rows, taken.posts, reference);
   return outcome;
 }
 
@@ -33,12 +54,16 @@ Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& con
 void add_init_command(Commands& commands) {
   const auto folder = std::make_shared<std::string>();
   const auto config = std::make_shared<tile::StoreConfig>();
-  CLI::App* command = commands.add("init", "Make an empty store for a block", "rayfield init myblock --crs EPSG:7854",
-                                   [folder, config](Context& context) { return run_init(*folder, *config, context); });
+  const auto reference = std::make_shared<std::string>();
+  CLI::App* command = commands.add(
+      "init", "Make an empty store for a block", "rayfield init myblock --crs EPSG:7854",
+      [folder, config, reference](Context& context) { return run_init(*folder, *config, *reference, context); });
   command->add_option("STORE", *folder, "Folder to make")->required();
   command->add_option("--crs", config->crs, "Projected coordinate reference system in metres, e.g. EPSG:7854")
       ->required();
   command->add_option("--tile-size", config->tile_size_m, "Side of a tile, m")->capture_default_str();
+  command->add_option("--reference", *reference,
+                      "Surveyed rows (lines) or posts (points) that rule the layout: .gpkg, .geojson or .csv");
 }
 
 }  // namespace rayfield::cli

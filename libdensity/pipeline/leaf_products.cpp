@@ -117,7 +117,7 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
     RAYFIELD_ASSIGN(counted.tiles,
                     count_voxels(work, {wood.scan, wood.voxels, counted.prefix}, voxels.row_segments, voxels.wood));
   }
-  const std::string key = leaf_key(work, voxels, wood, counted), &crs = work.store.config().crs;
+  const std::string key = leaf_key(work, voxels, wood, counted);
   RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
   RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
 

@@ -48,7 +48,8 @@ class CommandLine : public testing::Test {
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   for (const char* verb :
-       {"demo", "simulate", "init", "add", "process", "export", "info", "status", "log", "verify", "gc"}) {
+       {"demo", "simulate", "init", "add", "process", "export", "info", "status", "log", "verify", "gc",
+        "registry"}) {
     const Outcome run = rayfield({verb, "--help"});
     EXPECT_EQ(run.exit_code, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr(std::string("rayfield ") + verb)) << verb;
