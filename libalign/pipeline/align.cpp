@@ -70,6 +70,16 @@ std::string describe(const Rival& rival, const BlockLandmarks& reference) {
   return fmt::format("{:.1f} m along and {:.1f} m across the rows away", rival.along_rows_m, rival.across_rows_m);
 }
 
+// Without the trunks (or posts) that the other side has none of: a survey of posts says nothing of trunks.
+BlockLandmarks in_common(const BlockLandmarks& landmarks, const BlockLandmarks& other) {
+  BlockLandmarks kept = landmarks;
+  for (const bool post : {false, true}) {
+    const auto is_kind = [post](const Upright& upright) { return upright.post == post; };
+    if (std::none_of(other.uprights.begin(), other.uprights.end(), is_kind)) std::erase_if(kept.uprights, is_kind);
+  }
+  return kept;
+}
+
 // Why the best hypothesis is not believed, taken alone; empty if it is.
 std::string doubt(const Evidence& e, const AcceptOptions& accept) {
   if (e.matched < accept.min_landmarks)
@@ -113,9 +123,11 @@ Eigen::Vector3d Alignment::operator*(const Eigen::Vector3d& p) const {
   return warp.empty() ? moved : Eigen::Vector3d(moved + warp.at(moved.head<2>()));
 }
 
-Result<Alignment> align_landmarks(const BlockLandmarks& reference, const BlockLandmarks& scan,
+Result<Alignment> align_landmarks(const BlockLandmarks& all_of_reference, const BlockLandmarks& all_of_scan,
                                   const AlignOptions& options, const std::string& name) {
   RAYFIELD_CHECK(options.validate());
+  const BlockLandmarks reference = in_common(all_of_reference, all_of_scan);
+  const BlockLandmarks scan = in_common(all_of_scan, all_of_reference);
   constexpr std::size_t kMostRivals = 10;
   for (const BlockLandmarks* side : {&reference, &scan})
     if (static_cast<int>(side->uprights.size()) < options.accept.min_landmarks)

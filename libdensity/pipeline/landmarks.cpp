@@ -96,6 +96,30 @@ BlockLandmarks landmarks_of(const RowLayout& layout, const SurveyedScan& surveye
   return landmarks;
 }
 
+// A survey as if it had been seen from lanes on both sides of its rows. Where it has no posts, its rows' ends stand for
+// them.
+BlockLandmarks landmarks_of(const RowLayout& survey) {
+  constexpr double kLane = 1.25;  // m; half a narrow lane, so that rows beyond the outer ones are missed
+  BlockLandmarks landmarks;
+  landmarks.uprights = uprights_of(survey);
+  landmarks.row_spacing_m = survey.spacing_m;
+  landmarks.post_spacing_m = usual_post_spacing(survey);
+  for (const Row& row : survey.rows) {
+    const double length = row.length_m();
+    landmarks.rows.push_back(resampled(row.centreline, kPathStep));
+    for (const double chainage : {0.0, length})
+      if (survey.posts.empty())
+        landmarks.uprights.push_back(
+            {point_at(row.centreline, chainage).position, direction_at(row, chainage), 0.05, true});
+    for (const double across : {-kLane, kLane})
+      for (double chainage = -kGroundReach; chainage <= length + kGroundReach; chainage += kPathStep) {
+        const LinePoint at = point_at(row.centreline, chainage);
+        landmarks.path.emplace_back(at.position + across * Eigen::Vector2d(-at.direction.y(), at.direction.x()));
+      }
+  }
+  return landmarks;
+}
+
 const tile::ScanEntry& reference_scan(const tile::Snapshot& snapshot) {
   for (const tile::ScanEntry& scan : snapshot.scans)
     if (scan.alignment && scan.alignment->verdict == tile::AlignmentVerdict::reference) return scan;
@@ -123,7 +147,10 @@ Result<std::optional<BlockLandmarks>> reference_landmarks(tile::Store& store, co
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(tile::Store::DerivedWriter writer, store.write_derived());
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-  if (snapshot.scans.empty()) return std::nullopt;
+  if (snapshot.scans.empty()) {
+    RAYFIELD_ASSIGN(const BlockLayout survey, read_survey(store, snapshot));
+    return survey.known ? std::optional(landmarks_of(survey.layout)) : std::nullopt;
+  }
   const tile::ScanEntry& scan = reference_scan(snapshot);
   Derivation files(store, writer, scan.scan_id, false);
   ScanWork work{store, scan, options, files, progress, thread_count(options.threads)};

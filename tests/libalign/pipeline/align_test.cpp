@@ -91,6 +91,21 @@ TEST(Align, BendsADriveThatDriftedAndOnlyThat) {
   EXPECT_GT(warped->warp_rms_m, 0.02);
 }
 
+TEST(Align, LaysADriveOnASurveyOfPosts) {
+  const SyntheticBlock block;
+  BlockLandmarks survey = drive_along(block, {});
+  std::erase_if(survey.uprights, [](const Upright& upright) { return !upright.post; });
+  survey.ground = {};
+  SyntheticDrive drive;
+  std::mt19937 random(8);
+  drive.error = random_error(block, random);
+  drive.seed = 2;
+  const auto found = align_landmarks(survey, drive_along(block, drive), {}, "scan");
+  ASSERT_TRUE(found) << found.error().why;
+  EXPECT_LT(miss_of(block, drive, *found).middle_m, 0.02);
+  EXPECT_EQ(found->shift.shift.z(), 0);
+}
+
 TEST(Align, NeedsLandmarks) {
   const SyntheticBlock block;
   BlockLandmarks few = drive_along(block, {});

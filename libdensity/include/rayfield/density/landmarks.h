@@ -18,7 +18,7 @@ Result<BlockLandmarks> find_landmarks(tile::Store& store, const std::string& sca
 
 /// The landmarks that scans of this block are laid on: the layout in its registry, with the ground and the track of its
 /// reference scan (else of the first). A block that has scans and no layout yet gets one from that scan, which is
-/// published. Nothing for a store without scans. Errors: as find_landmarks().
+/// published. A store without scans has those of its survey, if it has one. Errors: as find_landmarks().
 Result<std::optional<BlockLandmarks>> reference_landmarks(tile::Store& store, const ProcessOptions& options,
                                                           const std::string& command, Progress& progress);
 
