@@ -175,10 +175,11 @@ void Canvas::hatch(const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
   constexpr double kSpacingPx = 9;
   const StrokeStyle line{{218, 218, 218, 255}, 1.2, 0};
   // Anchored to the picture, not to the corner, so that neighbouring areas join.
-  const double first = std::floor((corner.x() + corner.y()) / kSpacingPx) * kSpacingPx;
-  for (double sum = first; sum < corner.sum() + size.sum(); sum += kSpacingPx) {
-    const double top = corner.y(), bottom = corner.y() + size.y();
+  const double top = corner.y(), bottom = corner.y() + size.y();
+  double sum = std::floor((corner.x() + corner.y()) / kSpacingPx) * kSpacingPx;
+  while (sum < corner.sum() + size.sum()) {
     polyline(std::vector<Eigen::Vector2d>{{sum - top, top}, {sum - bottom, bottom}}, line);
+    sum += kSpacingPx;
   }
   unclip();
 }

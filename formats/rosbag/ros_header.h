@@ -22,7 +22,8 @@ std::optional<std::int64_t> peek_ros_stamp(std::span<const std::byte> message);
 
 /// Unix time in seconds from nanoseconds, exact to the spacing of doubles (0.24 µs in this century).
 inline double seconds_from_ns(std::int64_t time_ns) {
-  return static_cast<double>(time_ns / 1'000'000'000) + static_cast<double>(time_ns % 1'000'000'000) * 1e-9;
+  const std::int64_t whole_s = time_ns / 1'000'000'000, rest_ns = time_ns % 1'000'000'000;
+  return static_cast<double>(whole_s) + static_cast<double>(rest_ns) * 1e-9;
 }
 /// The nearest nanosecond; seconds_from_ns() of it gives the same double back. -1 for what ROS cannot express: NaN and
 /// times outside 0 … 2^32 s.

@@ -67,15 +67,21 @@ void mark_lanes(const RowLayout& layout, std::span<const TileSurvey> surveys, do
   for (const Row& row : layout.rows) {
     const Grid2<float>& shape = rasters.front().grid;
     const double step = shape.cell_m / 2, length = row.length_m();
-    for (double along = 0; along <= length; along += step) {
+    const auto mark = [&](const Eigen::Vector2d& p) {
+      const Eigen::Vector2d c = (p - shape.origin) / shape.cell_m;
+      const int ix = floor_int(c.x()), iy = floor_int(c.y());
+      if (!shape.contains(ix, iy) || !std::isnan(shape.at(ix, iy)) || !scanned(p)) return;
+      for (RasterProduct& raster : rasters) raster.grid.at(ix, iy) = 0;
+    };
+    double along = 0;
+    while (along <= length) {
       const LinePoint point = point_at(row.centreline, along);
-      for (double across = -reach; across <= reach; across += step) {
-        const Eigen::Vector2d p = point.position + across * Eigen::Vector2d(-point.direction.y(), point.direction.x());
-        const Eigen::Vector2d c = (p - shape.origin) / shape.cell_m;
-        const int ix = floor_int(c.x()), iy = floor_int(c.y());
-        if (!shape.contains(ix, iy) || !std::isnan(shape.at(ix, iy)) || !scanned(p)) continue;
-        for (RasterProduct& raster : rasters) raster.grid.at(ix, iy) = 0;
+      double across = -reach;
+      while (across <= reach) {
+        mark(point.position + across * Eigen::Vector2d(-point.direction.y(), point.direction.x()));
+        across += step;
       }
+      along += step;
     }
   }
 }

@@ -132,7 +132,8 @@ QuadraticMotion search_motion(std::span<const BodyPoint> points, const PoseTrack
     const int n = static_cast<int>(std::ceil(reach / step));
     const std::size_t side = static_cast<std::size_t>(2 * n + 1);
     const auto candidate = [&](std::size_t k) {
-      const double x = (static_cast<double>(k % side) - n) * step, y = (static_cast<double>(k / side) - n) * step;
+      const std::size_t column = k % side, row = k / side;
+      const double x = (static_cast<double>(column) - n) * step, y = (static_cast<double>(row) - n) * step;
       return with_velocity(best, floor * Eigen::Vector3d(x, y, 0));
     };
     best = candidate(best_of(side * side, candidate, upright, cell_m, threads));

@@ -160,8 +160,11 @@ void add_vibration(TrueTrajectory::Spline::Vector& point, const SiteVehicle& veh
 
 double curve_length(const UniformSpline<2>& curve) {
   const double step = 0.05;
-  double length = 0;
-  for (double s = 0.5 * step; s < curve.end(); s += step) length += step * curve.evaluate(s).first.norm();
+  double length = 0, s = 0.5 * step;
+  while (s < curve.end()) {
+    length += step * curve.evaluate(s).first.norm();
+    s += step;
+  }
   return length;
 }
 

@@ -32,7 +32,8 @@ class Scanner {
   void render(std::size_t chunk, bool want_rays, Chunk& out) const;
 
  private:
-  Scanner(World world, Drive drive, MapFromEnu map) : world_(std::move(world)), drive_(std::move(drive)), map_(map) {}
+  Scanner(World world, Drive drive, const MapFromEnu& map)
+      : world_(std::move(world)), drive_(std::move(drive)), map_(map) {}
 
   struct Shot {
     Eigen::Vector3d origin, direction;  // in ENU
