@@ -50,6 +50,12 @@ TEST(SlamOptions, RefuseValuesThatDoNotGoTogether) {
   expect_refused(o, "poles.reach_m");
   o = {}, o.global.fine_knots = 200;
   expect_refused(o, "global.coarse_knots");
+  o = {}, o.global.revisit_gap_s = o.window.length_s;
+  expect_refused(o, "global.revisit_gap_s");
+  o = {}, o.window.length_s = 10;
+  expect_refused(o, "global.revisit_gap_s");
+  o.global.revisit_gap_s = 10.5;
+  EXPECT_TRUE(o.validate());
 }
 
 TEST(SlamOptions, RefuseValuesOutOfRangeInGroupsAndLists) {
