@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-
 namespace rayfield::density {
 namespace {
 
@@ -52,8 +51,7 @@ tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout) {
   return arrays;
 }
 
-Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout,
-                             ScanResults& results) {
+Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout, ScanResults& results) {
   RAYFIELD_ASSIGN(const WoodSource source, wood_source_of(arrays));
   std::map<std::string, PanelValue*> values;
   for (PanelValue& value : results.panel_values) values[value.panel_uid] = &value;

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <map>
 
-#include "libdensity/pipeline/layout_products.h"
-
 namespace rayfield::density {
 namespace {
 
@@ -42,9 +40,8 @@ Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const Sca
   KeyBuilder key(kKind, kTotalsVersion);
   key.add(work.files.sha256("results", "block")).add(std::int64_t{holds_downward_misses ? 1 : 0}).add(work.layout_key);
   const auto make = [&]() -> Result<tile::ArraySet> {
-    const std::string& crs = work.store.config().crs;
     std::map<std::string, double> lengths;
-    for (const Panel& panel : layout.panels) lengths[panel_uid(panel, layout, crs)] = panel.end_m - panel.start_m;
+    for (const Panel& panel : layout.panels) lengths[panel.identity.uid] = panel.end_m - panel.start_m;
     ScanTotals totals;
     totals.holds_downward_misses = holds_downward_misses;
     for (const PanelValue& value : results.panel_values)
