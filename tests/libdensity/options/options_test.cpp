@@ -13,8 +13,8 @@ template <class Options>
 class EveryOptionOf : public ::testing::Test {};
 using AllOptions =
     ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions, PostOptions,
-                     RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions, IntegrationOptions,
-                     PlanRasterOptions, LeafOptions, MissingRayOptions>;
+                     RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions,
+                     IntegrationOptions, PlanRasterOptions, LeafOptions, MissingRayOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {
