@@ -1,0 +1,18 @@
+#pragma once
+
+#include "rayfield/core/products.h"
+
+namespace rayfield::density {
+
+inline constexpr double kNormal95 = 1.959963984540054;  ///< 97.5 % quantile of the normal distribution
+
+/// The two errors in a panel's interval, as standard errors of leaf_area_m2, m².
+struct ValueError {
+  double own = 0;     ///< of the voxels: independent between dates and panels
+  double shared = 0;  ///< common to all voxels of the scan
+};
+
+/// From se_leaf_area_m2 and ci_high_m2 (ci_low_m2 is cut at 0): shared² = ((ci_high − leaf)/1.96)² − own².
+ValueError error_of(const PanelValue& value);
+
+}  // namespace rayfield::density
