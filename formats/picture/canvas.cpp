@@ -1,11 +1,14 @@
 #include "formats/picture/canvas.h"
 
+#include <cairo-svg.h>
 #include <cairo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <vector>
 
 #include "formats/io/staged_output.h"
@@ -56,13 +59,41 @@ cairo_status_t append_bytes(void* closure, const unsigned char* data, unsigned l
   }
 }
 
+/// Cairo numbers surfaces through the life of the process ("surface459"): numbered here through the file instead, so
+/// that equal drawings are equal bytes.
+std::string renumber_surfaces(const std::string& svg) {
+  constexpr std::string_view name = "surface";
+  std::map<std::string, std::size_t> numbers;
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t found; (found = svg.find(name, at)) != std::string::npos;) {
+    const std::size_t begin = found + name.size();
+    const std::size_t end = std::min(svg.size(), svg.find_first_not_of("0123456789", begin));
+    out.append(svg, at, begin - at);
+    if (end > begin) {
+      const std::size_t number = numbers.emplace(svg.substr(begin, end - begin), numbers.size() + 1).first->second;
+      out += std::to_string(number);
+    }
+    at = end;
+  }
+  return out.append(svg, at);
+}
+
 ErrorCode code_of(cairo_status_t status) {
   return status == CAIRO_STATUS_NO_MEMORY ? ErrorCode::resources : ErrorCode::internal;
 }
 
 }  // namespace
 
+PictureFormat format_of(std::string_view path) {
+  std::string ending(path.substr(path.size() < 4 ? 0 : path.size() - 4));
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".svg" ? PictureFormat::svg : PictureFormat::png;
+}
+
 struct Canvas::Impl {
+  PictureFormat format = PictureFormat::png;
+  std::string svg;  // grows while the surface lives
   cairo_surface_t* surface = nullptr;
   cairo_t* cairo = nullptr;
   int width = 0, height = 0;
@@ -81,7 +112,7 @@ Canvas::Canvas(Canvas&&) noexcept = default;
 Canvas& Canvas::operator=(Canvas&&) noexcept = default;
 Canvas::~Canvas() = default;
 
-Result<Canvas> Canvas::create(int width_px, int height_px, const Rgba& background) {
+Result<Canvas> Canvas::create(int width_px, int height_px, const Rgba& background, PictureFormat format) {
   if (width_px < 1 || height_px < 1 || width_px > kMaxSide_px || height_px > kMaxSide_px) {
     return fail(ErrorCode::usage, kWhat, "", fmt::format("{} × {} pixels", width_px, height_px),
                 fmt::format("ask for 1 to {} pixels a side", kMaxSide_px));
@@ -89,7 +120,14 @@ Result<Canvas> Canvas::create(int width_px, int height_px, const Rgba& backgroun
   auto impl = std::make_unique<Impl>();
   impl->width = width_px;
   impl->height = height_px;
-  impl->surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width_px, height_px);
+  impl->format = format;
+  if (format == PictureFormat::svg) {
+    impl->surface = cairo_svg_surface_create_for_stream(append_bytes, &impl->svg, width_px, height_px);
+    if (cairo_surface_status(impl->surface) == CAIRO_STATUS_SUCCESS)
+      cairo_svg_surface_set_document_unit(impl->surface, CAIRO_SVG_UNIT_PX);
+  } else {
+    impl->surface = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width_px, height_px);
+  }
   impl->cairo = cairo_create(impl->surface);
   const cairo_status_t status = cairo_status(impl->cairo);
   if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), kWhat, "", cairo_status_to_string(status));
@@ -215,20 +253,23 @@ void Canvas::clip(const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
 
 void Canvas::unclip() { cairo_restore(impl_->cairo); }
 
-Result<std::string> Canvas::png() const {
+Result<std::string> Canvas::bytes() {
   cairo_status_t status = cairo_status(impl_->cairo);
-  std::string bytes;
-  if (status == CAIRO_STATUS_SUCCESS) {
+  std::string png;
+  if (status == CAIRO_STATUS_SUCCESS && impl_->format == PictureFormat::svg) {
+    cairo_surface_finish(impl_->surface);
+    status = cairo_surface_status(impl_->surface);
+  } else if (status == CAIRO_STATUS_SUCCESS) {
     cairo_surface_flush(impl_->surface);
-    status = cairo_surface_write_to_png_stream(impl_->surface, append_bytes, &bytes);
+    status = cairo_surface_write_to_png_stream(impl_->surface, append_bytes, &png);
   }
   if (status != CAIRO_STATUS_SUCCESS) return fail(code_of(status), kWhat, "", cairo_status_to_string(status));
-  return bytes;
+  return impl_->format == PictureFormat::svg ? renumber_surfaces(impl_->svg) : png;
 }
 
-Result<void> Canvas::write_png(const std::string& path) const {
-  RAYFIELD_ASSIGN(const std::string bytes, png());
-  return write_file_atomically(path, bytes, "cannot write picture");
+Result<void> Canvas::write(const std::string& path) {
+  RAYFIELD_ASSIGN(const std::string file, bytes());
+  return write_file_atomically(path, file, "cannot write picture");
 }
 
 }  // namespace rayfield::formats

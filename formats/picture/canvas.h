@@ -11,13 +11,19 @@
 
 namespace rayfield::formats {
 
-/// A picture in memory, drawn without a display and written as PNG. Pixel coordinates: x right, y down, pixel (0,0)
-/// covers [0,1)². Equal calls give equal bytes with equal fonts (DejaVu Sans, package fonts-dejavu-core; without it
-/// another font stands in). Text that is not UTF-8 is repaired.
+/// What a canvas is written as.
+enum class PictureFormat { png, svg };
+/// By the ending of a path: ".svg", in whatever case, or else PNG.
+PictureFormat format_of(std::string_view path);
+
+/// A picture in memory, drawn without a display and written as PNG or SVG. Pixel coordinates: x right, y down, pixel
+/// (0,0) covers [0,1)². Equal calls give equal bytes with equal fonts (DejaVu Sans, package fonts-dejavu-core; without
+/// it another font stands in; in an SVG letters are outlines). Text that is not UTF-8 is repaired.
 class Canvas {
  public:
   /// Width and height 1 … 20000 px. Errors: usage, resources (memory).
-  static Result<Canvas> create(int width_px, int height_px, const Rgba& background = {255, 255, 255, 255});
+  static Result<Canvas> create(int width_px, int height_px, const Rgba& background = {255, 255, 255, 255},
+                               PictureFormat format = PictureFormat::png);
   Canvas(Canvas&&) noexcept;
   Canvas& operator=(Canvas&&) noexcept;
   ~Canvas();
@@ -39,10 +45,10 @@ class Canvas {
   void clip(const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
   void unclip();
 
-  /// The PNG's bytes. Errors: resources, internal (a drawing call failed).
-  Result<std::string> png() const;
-  /// Writes them; the file appears whole or not at all. Errors: as png(), and bad_input (no such folder).
-  Result<void> write_png(const std::string& path) const;
+  /// Ends the drawing and gives the file's bytes. Errors: resources, internal (a drawing call failed).
+  Result<std::string> bytes();
+  /// Writes them; the file appears whole or not at all. Errors: as bytes(), and bad_input (no such folder).
+  Result<void> write(const std::string& path);
 
  private:
   struct Impl;

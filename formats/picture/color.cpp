@@ -30,6 +30,8 @@ constexpr Stops kUncertaintyStops = stops(
     {0xfbf6ee, 0xffe3cc, 0xffc9b1, 0xfeaf9e, 0xff9692, 0xf07e90, 0xd66a8f, 0xb8568a, 0x974080, 0x742871, 0x500b5d});
 constexpr Stops kTerrainStops = stops(
     {0x0b4834, 0x225636, 0x3c6539, 0x56743d, 0x728344, 0x909451, 0xafa765, 0xc9ba80, 0xdecc9e, 0xefdebc, 0xfdf0dc});
+constexpr Stops kChangeStops = stops(
+    {0x672e16, 0x9c4e1c, 0xd6833b, 0xebb473, 0xf2daaf, 0xf5f3ee, 0xb4e8d5, 0x53cbc2, 0x009296, 0x00677d, 0x003c5f});
 
 /// The smallest of 1, 2, 5 × 10ⁿ that is not below `value`.
 double nice_above(double value) {
@@ -50,6 +52,8 @@ std::span<const Rgba> ramp_stops(Ramp ramp) {
       return kUncertaintyStops;
     case Ramp::terrain:
       return kTerrainStops;
+    case Ramp::change:
+      return kChangeStops;
     case Ramp::canopy:
       break;
   }
@@ -76,6 +80,9 @@ ColorScale product_scale(std::string_view product, double data_low, double data_
   if (product == "canopy_height") return {0, 3, Ramp::height};
   if (product == "leaf_area_per_m") return {0, 6, Ramp::canopy};
   if (product.starts_with("side_view") || product.starts_with("end_on")) return {0, 6, Ramp::canopy};
+  if (product == "plan_density_change") return {-4, 4, Ramp::change};
+  if (product == "canopy_height_change") return {-1, 1, Ramp::change};
+  if (product == "leaf_change_per_m") return {-3, 3, Ramp::change};
   const bool known = std::isfinite(data_low) && std::isfinite(data_high) && data_low <= data_high;
   if (product == "ground") {
     if (!known) return {0, 1, Ramp::terrain};

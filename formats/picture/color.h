@@ -18,6 +18,7 @@ Rgba color_at(const ColorScale& scale, double value);
 ///   plan_density     0 … 8 m²/m²   canopy        side_view*, end_on*  0 … 6 m²/m²  canopy
 ///   plan_density_se  0 … 1 m²/m²   uncertainty   leaf_area_per_m      0 … 6 m²/m   canopy
 ///   canopy_height    0 … 3 m       height        ground               data, whole metres outward, terrain
+///   plan_density_change  −4 … 4 m²/m²   canopy_height_change  −1 … 1 m   leaf_change_per_m  −3 … 3 m²/m   change
 /// Other names: 0 (or the rounded minimum, if negative) … the rounded maximum of the data, canopy.
 /// `data_low`, `data_high`: range of the data, used where the product has no fixed scale; NaN = no data.
 ColorScale product_scale(std::string_view product, double data_low, double data_high);

@@ -1,8 +1,11 @@
 #include "rayfield/formats/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <tuple>
 
 #include "formats/io/guard.h"
 #include "formats/picture/color.h"
@@ -15,6 +18,22 @@ namespace rayfield::formats {
 
 using Eigen::Vector2d;
 using elements::kPictureWhat;
+
+namespace {
+
+/// Before the start of each row.
+void add_row_numbers(const BlockProducts& block, PlanOverlay& overlay) {
+  for (const RowProduct& row : block.rows) {
+    if (row.centreline.size() < 2) continue;
+    const Vector2d start = row.centreline.front(), step = row.centreline[1] - start;
+    const double length = step.norm();
+    TextStyle style{19, elements::kInk, true, Align::middle, Align::middle, 0, 2.5};
+    overlay.labels.push_back(
+        {length > 0 ? Vector2d(start - 0.9 / length * step) : start, std::to_string(row.row_number), style});
+  }
+}
+
+}  // namespace
 
 Result<void> PictureOptions::validate() const {
   const auto bad = [](std::string_view why) { return fail(ErrorCode::usage, "bad picture options", "", why); };
@@ -39,18 +58,35 @@ PlanOverlay block_overlay(const BlockProducts& block) {
     some_detected = some_detected || p.detected;
     some_guessed = some_guessed || !p.detected;
   }
-  for (const RowProduct& row : block.rows) {
-    if (row.centreline.size() < 2) continue;
-    const Vector2d start = row.centreline.front(), step = row.centreline[1] - start;
-    const double length = step.norm();
-    TextStyle style{19, elements::kInk, true, Align::middle, Align::middle, 0, 2.5};
-    overlay.labels.push_back(
-        {length > 0 ? Vector2d(start - 0.9 / length * step) : start, std::to_string(row.row_number), style});
-  }
+  add_row_numbers(block, overlay);
   if (!block.panels.empty()) overlay.keys.push_back({{outline, 1.6, 0}, "panel", {}});
   const PlanMarker seen{{0, 0}, post, 3}, hole{{0, 0}, guessed, 1.8};
   if (some_detected) overlay.keys.push_back({{}, "post", {seen}});
   if (some_guessed) overlay.keys.push_back({{}, "post, supposed", {seen, hole}});
+  return overlay;
+}
+
+PlanOverlay change_overlay(const BlockProducts& block, const DateComparison& comparison) {
+  // Drawn in this order, the bold ones over the faint.
+  const std::array<std::tuple<ChangeVerdict, StrokeStyle, std::string>, 4> styles = {{
+      {ChangeVerdict::not_seen, {{150, 150, 150, 255}, 1.3, 5}, "not seen"},
+      {ChangeVerdict::none, {{60, 60, 60, 170}, 1.3, 0}, "within errors"},
+      {ChangeVerdict::loss, {{122, 50, 10, 255}, 3, 0}, "panel lost"},
+      {ChangeVerdict::gain, {{0, 74, 92, 255}, 3, 0}, "panel gained"},
+  }};
+  std::map<std::string, ChangeVerdict> verdicts;
+  for (const PanelChange& panel : comparison.panels) verdicts[panel.panel_uid] = panel.verdict;
+  PlanOverlay overlay;
+  for (const auto& [verdict, style, meaning] : styles) {
+    bool some = false;
+    for (const PanelProduct& panel : block.panels) {
+      if (panel.outline.size() < 3 || verdicts[panel.panel_uid] != verdict) continue;
+      overlay.lines.push_back({panel.outline, style, true});
+      some = true;
+    }
+    if (some) overlay.keys.insert(overlay.keys.begin(), {style, meaning, {}});
+  }
+  add_row_numbers(block, overlay);
   return overlay;
 }
 
@@ -80,7 +116,15 @@ Result<void> write_section_picture(std::span<const LabelledSection> sections, co
                                    const PictureOptions& options) {
   return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
-    return draw_sections(sections, path, options);
+    return draw_sections(sections, SectionOrder::one_after_the_other, path, options);
+  });
+}
+
+Result<void> write_row_stack_picture(std::span<const LabelledSection> dates, const std::string& path,
+                                     const PictureOptions& options) {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
+    RAYFIELD_CHECK(options.validate());
+    return draw_sections(dates, SectionOrder::stacked, path, options);
   });
 }
 

@@ -56,6 +56,8 @@ std::string product_title(std::string_view product) {
   if (product == "leaf_density") return "Leaf density";
   if (product == "plan_density_se") return "Canopy density, standard error";
   if (product == "canopy_height") return "Canopy height";
+  if (product == "plan_density_change") return "Change of canopy density";
+  if (product == "canopy_height_change") return "Change of canopy height";
   if (product == "ground") return "Ground height";
   if (product.starts_with("side_view")) return "Canopy density, side view";
   if (product.starts_with("end_on")) return "Canopy density, end-on";

@@ -231,7 +231,7 @@ Result<void> draw_plan(const Plan& plan, const std::string& path) {
   canvas.unclip();
   elements::frame(canvas, corner, size, layout.unit);
   draw_column(canvas, layout, plan);
-  return canvas.write_png(path);
+  return canvas.write(path);
 }
 
 }  // namespace rayfield::formats

@@ -21,7 +21,7 @@ struct Piece {
   double begin_m = 0, end_m = 0;
   bool continued = false;
   Vector2d corner = Vector2d::Zero();  ///< top left of the drawing, px
-  bool first_in_line = false;
+  bool first_in_line = false, last_of_stretch = true;
 };
 
 /// All sections share proportions, heights and colours.
@@ -34,6 +34,8 @@ struct Stack {
 
   double drawing_height() const { return std::round(px_per_m * (high_m - low_m)); }
   double line_height() const { return drawing_height() + 84 * unit; }
+  /// Of a drawing without an axis below it.
+  double stacked_height() const { return drawing_height() + 46 * unit; }
 };
 
 Vector2d x_range(const Grid2<float>& grid) { return {grid.origin.x(), grid.origin.x() + grid.cell_m * grid.nx}; }
@@ -87,7 +89,35 @@ double set_pieces(std::span<const LabelledSection> sections, Stack& stack, doubl
   return y + stack.line_height();
 }
 
-Stack arrange(std::span<const LabelledSection> sections, const PictureOptions& options) {
+/// From the first beginning to the last end.
+Vector2d common_range(std::span<const LabelledSection> sections) {
+  Vector2d range = x_range(sections.front().section->grid);
+  for (const LabelledSection& s : sections) {
+    const Vector2d own = x_range(s.section->grid);
+    range = {std::min(range.x(), own.x()), std::max(range.y(), own.y())};
+  }
+  return range;
+}
+
+/// The same stretch of all sections under each other, then the next stretch; returns the height used.
+double set_stacked(std::span<const LabelledSection> sections, Stack& stack, double available_px) {
+  stack.pieces.clear();
+  const Vector2d range = common_range(sections);
+  const double share = piece_length(range.y() - range.x(), available_px / stack.px_per_m);
+  double y = stack.top;
+  for (double begin = range.x(); begin < range.y() - 1e-6; begin += share) {
+    for (const LabelledSection& s : sections) {
+      Piece piece{&s, begin, std::min(begin + share, range.y()), begin > range.x(), {}, true};
+      piece.corner = {std::round(stack.left), std::round(y + 34 * stack.unit)};
+      piece.last_of_stretch = &s == &sections.back();
+      stack.pieces.push_back(piece);
+      y += piece.last_of_stretch ? stack.line_height() : stack.stacked_height();
+    }
+  }
+  return y;
+}
+
+Stack arrange(std::span<const LabelledSection> sections, SectionOrder order, const PictureOptions& options) {
   Stack stack;
   stack.unit = options.width_px / 1600.0;
   stack.margin *= stack.unit;
@@ -95,16 +125,18 @@ Stack arrange(std::span<const LabelledSection> sections, const PictureOptions& o
   stack.top = std::max(elements::header_height(options, stack.margin, stack.unit), stack.margin + 84 * stack.unit);
   find_heights(sections, stack);
   const double available = options.width_px - stack.left - stack.margin;
-  double longest = 0;
+  const Vector2d common = common_range(sections);
+  double longest = order == SectionOrder::stacked ? common.y() - common.x() : 0;
   for (const LabelledSection& s : sections)
     longest = std::max(longest, x_range(s.section->grid).y() - x_range(s.section->grid).x());
+  const auto set = order == SectionOrder::stacked ? set_stacked : set_pieces;
   // At least 45 design pixels a metre: longer sections are continued on the next line. At most 150.
   const double lines = std::max(1.0, std::ceil(longest * 45 * stack.unit / available));
   stack.px_per_m = std::min(available / (lines > 1 ? std::ceil(longest / lines) : longest), 150 * stack.unit);
-  double bottom = set_pieces(sections, stack, available);
+  double bottom = set(sections, stack, available);
   while (bottom + stack.margin > options.max_height_px && stack.px_per_m > 4 * stack.unit) {
     stack.px_per_m *= 0.92;
-    bottom = set_pieces(sections, stack, available);
+    bottom = set(sections, stack, available);
   }
   stack.width = options.width_px;
   stack.height = static_cast<int>(std::ceil(bottom + 0.4 * stack.margin));
@@ -165,7 +197,7 @@ void draw_piece(Canvas& canvas, const Stack& stack, const Piece& piece, const Co
   canvas.text(
       piece.corner - Vector2d(0, 9 * unit), label,
       {18 * unit, piece.continued ? elements::kGrey : elements::kInk, !piece.continued, Align::start, Align::end});
-  draw_distance_axis(canvas, stack, piece);
+  if (piece.last_of_stretch) draw_distance_axis(canvas, stack, piece);
   if (piece.first_in_line) draw_height_axis(canvas, stack, piece);
 }
 
@@ -193,7 +225,7 @@ Result<void> check_section(const LabelledSection& labelled, const std::string& p
 
 }  // namespace
 
-Result<void> draw_sections(std::span<const LabelledSection> sections, const std::string& path,
+Result<void> draw_sections(std::span<const LabelledSection> sections, SectionOrder order, const std::string& path,
                            const PictureOptions& options) {
   if (sections.empty()) return fail(ErrorCode::usage, kPictureWhat, path, "there are no sections to draw");
   double low = std::numeric_limits<double>::quiet_NaN(), high = low;
@@ -205,12 +237,12 @@ Result<void> draw_sections(std::span<const LabelledSection> sections, const std:
   }
   const SectionProduct& first = *sections.front().section;
   const ColorScale scale = options.scale.value_or(product_scale(first.name, low, high));
-  const Stack stack = arrange(sections, options);
+  const Stack stack = arrange(sections, order, options);
   RAYFIELD_ASSIGN(Canvas canvas, Canvas::create(stack.width, stack.height));
   elements::header(canvas, options, stack.margin, stack.unit);
   draw_legend(canvas, stack, first, options, scale, {low<scale.low, high> scale.high});
   for (const Piece& piece : stack.pieces) draw_piece(canvas, stack, piece, scale);
-  return canvas.write_png(path);
+  return canvas.write(path);
 }
 
 }  // namespace rayfield::formats

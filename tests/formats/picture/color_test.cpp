@@ -44,6 +44,53 @@ TEST(Color, LightnessIsMonotonicAndEqualStepsLookEqual) {
   }
 }
 
+TEST(Color, TheRampOfChangesIsLightInTheMiddleDarkAtBothEndsAndItsStepsLookEqual) {
+  const auto stops = ramp_stops(Ramp::change);
+  ASSERT_EQ(stops.size(), 11U);
+  double total = 0;
+  for (std::size_t i = 0; i < 10; ++i) total += difference(stops[i], stops[i + 1]);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_NEAR(difference(stops[i], stops[i + 1]), total / 10, 0.1 * total / 10);
+    EXPECT_GT((i < 5 ? 1 : -1) * (lab(stops[i + 1])[0] - lab(stops[i])[0]), 0);
+  }
+  EXPECT_GT(lab(stops[5])[0], 95);
+  // Equal gain and loss are equally strong, and no change is the colour of neither.
+  for (std::size_t i = 1; i <= 5; ++i) EXPECT_NEAR(lab(stops[5 - i])[0], lab(stops[5 + i])[0], 8);
+  const ColorScale scale = product_scale("plan_density_change", -1, 2);
+  EXPECT_EQ(scale.low, -scale.high);
+  EXPECT_EQ(color_at(scale, 0), stops[5]);
+}
+
+/// How a deuteranope or protanope sees it (Viénot, Brettel and Mollon 1999).
+Rgba as_seen_without(char cone, const Rgba& color) {
+  const auto linear = [](std::uint8_t v) {
+    const double e = v / 255.0;
+    return e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4);
+  };
+  const double r = linear(color.r), g = linear(color.g), b = linear(color.b);
+  double l = 17.8824 * r + 43.5161 * g + 4.11935 * b, m = 3.45565 * r + 27.1554 * g + 3.86714 * b;
+  const double s = 0.0299566 * r + 0.184309 * g + 1.46709 * b;
+  if (cone == 'm') m = 0.494207 * l + 1.24827 * s;
+  if (cone == 'l') l = 2.02344 * m - 2.52581 * s;
+  const auto encode = [](double v) {
+    v = std::clamp(v, 0.0, 1.0);
+    return static_cast<std::uint8_t>(
+        std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+  };
+  return {encode(0.0809444479 * l - 0.130504409 * m + 0.116721066 * s),
+          encode(-0.0102485335 * l + 0.0540193266 * m - 0.113614708 * s),
+          encode(-0.000365296938 * l - 0.00412161469 * m + 0.693511405 * s)};
+}
+
+TEST(Color, GainAndLossDifferForThoseWhoCannotTellRedFromGreen) {
+  const auto stops = ramp_stops(Ramp::change);
+  for (const char cone : {'l', 'm'})
+    for (std::size_t i = 1; i <= 5; ++i) {
+      const Rgba loss = as_seen_without(cone, stops[5 - i]), gain = as_seen_without(cone, stops[5 + i]);
+      EXPECT_GT(difference(loss, gain), i == 1 ? 10 : 30) << cone << " step " << i;
+    }
+}
+
 TEST(Color, ZeroIsLightAndNanIsTransparent) {
   const ColorScale scale = product_scale("plan_density", 2, 3);
   EXPECT_GT(lab(color_at(scale, 0))[0], 95);

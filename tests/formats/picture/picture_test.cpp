@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "formats/picture/color.h"
 #include "tests/formats/png_image.h"
 #include "tests/formats/products_support.h"
+#include "tests/formats/season_support.h"
 
 namespace rayfield::formats {
 namespace {
@@ -246,6 +248,69 @@ TEST(SectionPicture, ManySectionsStayUnderTheGreatestHeight) {
   options.max_height_px = 1500;
   ASSERT_TRUE(write_section_picture(labelled, folder / "s.png", options));
   EXPECT_LE(read_png(folder / "s.png").height, 1500);
+}
+
+TEST(RowStackPicture, OnePlaceOfTheRowIsAtOnePlaceOfThePictureOnAllDates) {
+  const TemporaryFolder folder;
+  // The same square of canopy at 8 … 9 m, in grids that begin elsewhere and have other cells.
+  SectionProduct early{"side_view_row_3", "m2/m2", 3, Grid2<float>({0, 0}, 0.1, 200, 25, 0)};
+  SectionProduct late{"side_view_row_3", "m2/m2", 3, Grid2<float>({-1, 0}, 0.05, 440, 50, 0)};
+  add_square(early, 80, 5, 3);
+  for (int iy = 10; iy < 30; ++iy)
+    for (int ix = 180; ix < 200; ++ix) late.grid.at(ix, iy) = 4.5;
+  const std::vector<LabelledSection> dates = {{&early, "2018-11-22", {8}}, {&late, "2019-02-11", {8}}};
+  const auto written = write_row_stack_picture(dates, folder / "s.png");
+  ASSERT_TRUE(written) << message(written);
+  const Image image = read_png(folder / "s.png");
+  const ColorScale section_scale{0, 6, Ramp::canopy};
+  const Rgba first = color_at(section_scale, 3), second = color_at(section_scale, 4.5);
+  const auto below_legend = [&](const Rgba& color) {
+    Image part = image;
+    std::fill_n(part.pixels.begin(), 120 * image.width, Rgba{});  // the colour bar shows the same colours
+    return find(part, color);
+  };
+  const Blob above = below_legend(first), below = below_legend(second);
+  ASSERT_GT(above.count, 1000);
+  ASSERT_GT(below.count, 1000);
+  EXPECT_NEAR(above.low_x, below.low_x, 2);
+  EXPECT_NEAR(above.high_x, below.high_x, 2);
+  EXPECT_LT(above.high_y, below.low_y) << "the earlier date is above";
+}
+
+TEST(RowStackPicture, OfALongRowTheSameStretchOfAllDatesStandsTogether) {
+  const TemporaryFolder folder;
+  std::vector<SectionProduct> sections(3, section(1000, 25));
+  for (std::size_t d = 0; d < 3; ++d) add_square(sections[d], 50, 5, 3.0F + static_cast<float>(d) / 2);
+  std::vector<LabelledSection> dates;
+  for (const SectionProduct& s : sections) dates.push_back({&s, "date", {}});
+  PictureOptions options;
+  options.max_height_px = 20000;
+  ASSERT_TRUE(write_row_stack_picture(dates, folder / "s.png", options));
+  const Image image = read_png(folder / "s.png");
+  int last = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    Image part = image;
+    std::fill_n(part.pixels.begin(), 120 * image.width, Rgba{});
+    const Blob blob = find(part, color_at({0, 6, Ramp::canopy}, 3 + 0.5 * static_cast<double>(d)));
+    ASSERT_GT(blob.count, 300);
+    EXPECT_GT(blob.y, last) << "dates in their order";
+    last = static_cast<int>(blob.y);
+  }
+  EXPECT_LT(last, image.height / 2) << "the first stretch of all dates comes before the second of any";
+}
+
+TEST(PlanPicture, OfAChangeOutlinesPanelsThatGainedOrLostBoldly) {
+  const TemporaryFolder folder;
+  const BlockProducts block = make_block(2, 4, {"2018-11-22", "2019-02-11"});
+  RasterProduct raster = flat(40, 80, 1);
+  raster.name = "plan_density_change";
+  raster.grid.origin = block.rows[0].centreline[0] - Vector2d(3, 3);
+  const PlanOverlay overlay = change_overlay(block, testing::make_comparison(block));
+  ASSERT_EQ(overlay.keys.size(), 4U) << "gained, lost, within errors, not seen";
+  EXPECT_EQ(overlay.keys.front().text, "panel gained");
+  const auto written = write_plan_picture(raster, overlay, folder / "c.png");
+  ASSERT_TRUE(written) << message(written);
+  EXPECT_GT(find(read_png(folder / "c.png"), color_at({-4, 4, Ramp::change}, 1)).count, 1000);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
+#include "rayfield/core/season_products.h"
 #include "rayfield/formats/style.h"
 
 /// Maps, plans and vertical sections as PNG, without a display. NaN is hatched grey ("not scanned"), zero is light.
@@ -62,6 +63,9 @@ struct PlanOverlay {
 /// Panel outlines, posts (hollow where not detected) and row numbers of a block.
 PlanOverlay block_overlay(const BlockProducts& block);
 
+/// The same on a map of changes: panels that gained or lost are outlined boldly, the others faintly.
+PlanOverlay change_overlay(const BlockProducts& block, const DateComparison& comparison);
+
 /// A raster with colour bar, scale bar, north arrow, title, and what lies over it. Cells are averaged by area where the
 /// picture is coarser than the raster (cells without a value left out). Errors: usage (options), bad_input (no such
 /// folder), resources, internal.
@@ -85,5 +89,10 @@ Result<void> write_section_picture(std::span<const LabelledSection> sections, co
                                    const PictureOptions& options = {});
 Result<void> write_section_picture(const SectionProduct& section, const std::string& path,
                                    const PictureOptions& options = {});
+
+/// One row's side views on several dates under each other: the same stretch of row on all of them, one scale. What a
+/// date did not see is hatched. Errors: as write_plan_picture().
+Result<void> write_row_stack_picture(std::span<const LabelledSection> dates, const std::string& path,
+                                     const PictureOptions& options = {});
 
 }  // namespace rayfield::formats

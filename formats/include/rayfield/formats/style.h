@@ -13,14 +13,16 @@ struct Rgba {
 };
 
 /// Colour ramps as 11 equidistant sRGB stops, interpolated linearly in sRGB (as QGIS does). Lightness (CIE L*) is
-/// monotonic and equal steps in value are equal colour differences (CIE76) within 10 %, so no edge is invented and a
-/// grey print still orders the values.
+/// monotonic (from the middle on, for changes) and equal steps in value are equal colour differences (CIE76) within 10
+/// %, so no edge is invented and a grey print still orders the values.
 enum class Ramp {
   canopy,  ///< cream → green → deep blue. Nothing is light; the order low-green-blue echoes the paper's figures
            ///< (red-green-blue) without its unequal steps and its red-green confusion
   height,  ///< cream → amber → brown
   uncertainty,  ///< cream → rose → purple
   terrain,      ///< dark green (low) → sand (high)
+  change,  ///< brown (loss) → almost white → teal (gain): lightness falls from the middle to both ends, and the two
+           ///< sides differ for people who cannot tell red from green
 };
 
 /// A value range and the ramp over it. Values outside take the end colours.
