@@ -20,11 +20,6 @@ namespace {
 
 constexpr std::string_view kGeoJsonWhat = "cannot write GeoJSON", kCsvWhat = "cannot write CSV";
 
-/// The shortest text that reads back as the same double.
-std::string number(double value, std::string_view undefined) {
-  return std::isfinite(value) ? fmt::format("{}", value) : std::string(undefined);
-}
-
 double signed_area(const std::vector<Eigen::Vector2d>& ring) {
   double twice = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -60,13 +55,13 @@ Result<std::string> polygon(const PanelProduct& panel, OGRCoordinateTransformati
 }
 
 std::string properties(const PanelProduct& panel, const PanelValue* value) {
-  std::string text =
-      fmt::format("\"panel_uid\":{},\"row_number\":{},\"panel_number\":{},\"length_m\":{}",
-                  json_string(panel.panel_uid), panel.row_number, panel.panel_number, number(panel.length_m, "null"));
+  std::string text = fmt::format("\"panel_uid\":{},\"row_number\":{},\"panel_number\":{},\"length_m\":{}",
+                                 json_string(panel.panel_uid), panel.row_number, panel.panel_number,
+                                 number_text(panel.length_m, "null"));
   if (value == nullptr) return text;
   text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
   for (const MeasuredColumn& column : kMeasuredColumns)
-    text += fmt::format(",\"{}\":{}", column.name, number(value->*column.value, "null"));
+    text += fmt::format(",\"{}\":{}", column.name, number_text(value->*column.value, "null"));
   return text + fmt::format(",\"ray_count\":{},\"wood_scan_id\":{}", value->ray_count,
                             value->wood_scan_id.empty() ? "null" : json_string(value->wood_scan_id));
 }
@@ -107,8 +102,9 @@ std::string panels_csv(const BlockProducts& block) {
       if (found == panels.end()) continue;  // as in the view, which joins the two tables
       const PanelProduct& panel = *found->second;
       text += fmt::format("{},{},{},{},{},{}", csv_escape(value.panel_uid), panel.row_number, panel.panel_number,
-                          number(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
-      for (const MeasuredColumn& column : kMeasuredColumns) text.append(",").append(number(value.*column.value, ""));
+                          number_text(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
+      for (const MeasuredColumn& column : kMeasuredColumns)
+        text.append(",").append(number_text(value.*column.value, ""));
       text += fmt::format(",{},{}\n", value.ray_count, csv_escape(value.wood_scan_id));
     }
   }
@@ -119,10 +115,10 @@ std::string row_metres_csv(const BlockProducts& block) {
   std::string text = "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m\n";
   for (const ScanResults& scan : block.scans) {
     for (const RowMetreProduct& metre : scan.row_metres) {
-      text += fmt::format("{},{},{},{},{},{},{},{}\n", metre.row_number, number(metre.chainage_m, ""),
-                          number(metre.position.x(), ""), number(metre.position.y(), ""), csv_escape(metre.scan_id),
-                          csv_escape(metre.scan_date), number(metre.leaf_area_per_m, ""),
-                          number(metre.plant_area_per_m, ""));
+      text += fmt::format("{},{},{},{},{},{},{},{}\n", metre.row_number, number_text(metre.chainage_m, ""),
+                          number_text(metre.position.x(), ""), number_text(metre.position.y(), ""),
+                          csv_escape(metre.scan_id), csv_escape(metre.scan_date),
+                          number_text(metre.leaf_area_per_m, ""), number_text(metre.plant_area_per_m, ""));
     }
   }
   return text;

@@ -1,5 +1,8 @@
 #include "formats/io/text_escape.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <cstddef>
 
 namespace rayfield::formats {
@@ -102,6 +105,10 @@ std::string json_string(std::string_view text) {
     out += c;
   }
   return out + '"';
+}
+
+std::string number_text(double value, std::string_view undefined) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string(undefined);
 }
 
 std::string sql_literal(std::string_view text) { return doubled(clean_text(text), '\''); }

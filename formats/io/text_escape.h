@@ -17,6 +17,9 @@ std::string csv_escape(std::string_view text);
 /// A JSON string, quotes included.
 std::string json_string(std::string_view text);
 
+/// The shortest text that reads back as the same double; `undefined` for NaN and infinities.
+std::string number_text(double value, std::string_view undefined);
+
 /// An SQL string literal, quotes included.
 std::string sql_literal(std::string_view text);
 

@@ -21,10 +21,12 @@
 #include "rayfield/formats/trajectory_file.h"  // poses after the TUM convention
 
 // Products for GIS and for people (docs/products.md)
-#include "rayfield/formats/exchange.h"    // GeoJSON and CSV
-#include "rayfield/formats/geopackage.h"  // a block with all its dates as one GeoPackage
-#include "rayfield/formats/geotiff.h"     // rasters as Cloud Optimised GeoTIFF, sections in a local frame
-#include "rayfield/formats/picture.h"     // plan views, side views and end-on sections as PNG
+#include "rayfield/formats/chart.h"           // dates of a block as charts, PNG and SVG
+#include "rayfield/formats/exchange.h"        // GeoJSON and CSV
+#include "rayfield/formats/geopackage.h"      // a block with all its dates as one GeoPackage
+#include "rayfield/formats/geotiff.h"         // rasters as Cloud Optimised GeoTIFF, sections in a local frame
+#include "rayfield/formats/picture.h"         // plan views, side views and end-on sections as PNG
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
-#include "rayfield/formats/style.h"       // their colours, lines and text
+#include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
+#include "rayfield/formats/style.h"           // their colours, lines and text
