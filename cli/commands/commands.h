@@ -13,6 +13,7 @@ void add_init_command(Commands& commands);
 void add_add_command(Commands& commands);
 void add_process_command(Commands& commands);
 void add_export_command(Commands& commands);
+void add_compare_command(Commands& commands);
 void add_verify_command(Commands& commands);
 void add_status_command(Commands& commands);
 void add_log_command(Commands& commands);

@@ -5,6 +5,7 @@
 #include "cli/commands/commands.h"
 #include "rayfield/align/options.h"
 #include "rayfield/core/option_fields.h"
+#include "rayfield/density/comparison.h"
 #include "rayfield/density/process.h"
 #include "rayfield/slam/slam.h"
 
@@ -23,7 +24,8 @@ Result<Outcome> run_options(const std::string& wanted) {
   const std::vector<std::pair<std::string, std::vector<OptionDescription>>> commands{
       {"process", describe_options<density::ProcessOptions>()},
       {"slam", describe_options<slam::SlamOptions>()},
-      {"add", describe_options<align::AlignOptions>()}};
+      {"add", describe_options<align::AlignOptions>()},
+      {"compare", describe_options<density::ComparisonOptions>()}};
   Outcome outcome;
   outcome.data = nlohmann::ordered_json::object();
   for (const auto& [command, fields] : commands) {
@@ -43,8 +45,8 @@ void add_options_command(Commands& commands) {
   CLI::App* command =
       commands.add("options", "List the options that --set and configuration files take, with defaults and ranges",
                    "rayfield options process", [wanted](Context&) { return run_options(*wanted); });
-  command->add_option("COMMAND", *wanted, "process, slam or add (default: all)")
-      ->check(CLI::IsMember({"process", "slam", "add"}));
+  command->add_option("COMMAND", *wanted, "process, slam, add or compare (default: all)")
+      ->check(CLI::IsMember({"process", "slam", "add", "compare"}));
 }
 
 }  // namespace rayfield::cli
