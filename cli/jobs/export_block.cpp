@@ -13,10 +13,11 @@ namespace fs = std::filesystem;
 using Paths = std::vector<fs::path>;
 
 // The rasters of one scan, and the picture of its density map.
-Result<void> export_rasters(const tile::Store& store, const tile::ScanEntry& scan, const BlockProducts& block,
-                            const fs::path& folder, const ExportOptions& options, Paths& written) {
+Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                            const BlockProducts& block, const fs::path& folder, const ExportOptions& options,
+                            Paths& written) {
   for (const std::string& name : density::raster_names(scan)) {
-    RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, scan, name));
+    RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
     const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
     if (options.formats.count("geotiff") > 0) {
       formats::GeoTiffOptions tiff;
@@ -91,7 +92,8 @@ Result<std::vector<fs::path>> export_block(const tile::Store& store, const fs::p
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
-    RAYFIELD_CHECK(export_rasters(store, *snapshot.find_scan(results.scan.scan_id), block, folder, options, written));
+    const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
+    RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, folder, options, written));
     if (options.formats.count("png") > 0) RAYFIELD_CHECK(export_sections(results, block, folder, written));
     progress.advance(1);
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/tiles/rounding.h"
@@ -77,30 +78,26 @@ double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vecto
   return polygon_area(p);
 }
 
-Result<PlanRaster> PlanRaster::create(std::span<const RowSegment> row_segments, const PlanRasterOptions& options) {
+Result<PlanRaster> PlanRaster::create(const RasterFrame& frame, std::span<const RowSegment> row_segments,
+                                      const PlanRasterOptions& options) {
   RAYFIELD_CHECK(options.validate());
   if (row_segments.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
-  Eigen::AlignedBox2d box;
   for (const RowSegment& s : row_segments) {
     const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
     for (const double a : {0.0, s.n_along * s.voxel_m})
       for (const double c : {s.across_min_m, s.across_min_m + s.n_across * s.voxel_m})
-        box.extend(Eigen::Vector2d(s.origin + a * s.direction + c * v));
+        if (!frame.contains(s.origin + a * s.direction + c * v))
+          return fail(ErrorCode::internal, "cannot make maps", "row " + std::to_string(s.row),
+                      "its voxels reach beyond the block's maps", "please report this");
   }
-  const Eigen::Vector2d low = (box.min() / options.cell_m).array().floor(),
-                        high = (box.max() / options.cell_m).array().ceil();
-  const Eigen::Vector2d size = high - low;
-  if (!(size.x() * size.y() < 2147483648.0))
-    return fail(ErrorCode::resources, "cannot make maps", "block", "more than 2^31 cells", "use a larger cell size");
   PlanRaster out;
   out.options_ = options;
-  out.cells_ = Grid2<Cell>(low * options.cell_m, options.cell_m, std::max(1, static_cast<int>(size.x())),
-                           std::max(1, static_cast<int>(size.y())));
+  out.cells_ = Grid2<Cell>(frame.origin, frame.cell_m, frame.nx, frame.ny);
   return out;
 }
 
 void PlanRaster::add(const RowDensity& row) {
-  const double cell = options_.cell_m, square = row.voxel_m * row.voxel_m;
+  const double cell = cells_.cell_m, square = row.voxel_m * row.voxel_m;
   std::vector<double> layers;
   for (int a = 0; a < row.n_along; ++a)
     for (int c = 0; c < row.n_across; ++c) {

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/estimate/row_density.h"
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
@@ -15,8 +16,10 @@ namespace rayfield::density {
 /// A cell without a seen column is NaN; what a seen column does not cover counts as empty.
 class PlanRaster {
  public:
-  /// `row_segments`: all that may be added; they fix the extent. Errors: usage; resources, beyond 2³¹ cells.
-  static Result<PlanRaster> create(std::span<const RowSegment> row_segments, const PlanRasterOptions& options);
+  /// `frame`: of the block, with cells of options.cell_m; `row_segments`: all that may be added. Errors: usage;
+  /// internal, when a row segment lies outside of the frame.
+  static Result<PlanRaster> create(const RasterFrame& frame, std::span<const RowSegment> row_segments,
+                                   const PlanRasterOptions& options);
   /// Rows in a fixed order give the same bytes.
   void add(const RowDensity& row);
   /// "plan_density" (plant area, m²/m²), "plan_density_se" (square root of the cell's variance: columns independent)

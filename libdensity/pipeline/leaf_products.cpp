@@ -6,6 +6,7 @@
 
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/estimate/plan_raster.h"
+#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/pipeline/leaf_values.h"
 #include "libdensity/pipeline/results_io.h"
@@ -54,7 +55,8 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   const std::size_t bytes = work.options.memory_bytes / 16;
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
-  RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(voxels.row_segments.row_segments, work.options.plan));
+  RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
+  RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
   std::size_t panel = 0;
   for (const Row& row : layout.rows) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/ground/ground_arrays.h"
 #include "libdensity/pipeline/layout_products.h"
 #include "libdensity/pipeline/layout_store.h"
@@ -148,11 +149,19 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
   return products;
 }
 
-Result<RasterProduct> load_raster(const tile::Store& store, const tile::ScanEntry& scan, const std::string& name) {
+Result<RasterProduct> load_raster(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                                  const std::string& name) {
   const tile::DerivedEntry* entry = find_derived(scan.derived, "raster", name);
   if (entry == nullptr) return not_processed(scan.scan_id);
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
-  return raster_from_arrays(arrays);
+  RAYFIELD_ASSIGN(RasterProduct raster, raster_from_arrays(arrays));
+  // A scan that was processed before the layout grew, or by an older version, has a map of another extent.
+  RAYFIELD_ASSIGN(const BlockLayout block, read_layout(store, snapshot));
+  if (!block.known) return not_processed(store.folder().string());
+  RAYFIELD_ASSIGN(const RasterFrame frame, name == "ground" ? ground_frame(block.layout, raster.grid.cell_m)
+                                                            : plan_frame(block.layout, raster.grid.cell_m));
+  RAYFIELD_ASSIGN(raster.grid, fit_to_frame(raster.grid, frame));
+  return raster;
 }
 
 }  // namespace rayfield::density

@@ -9,6 +9,7 @@
 
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
+#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/pipeline/results_io.h"
 #include "libdensity/pipeline/row_voxels.h"
@@ -19,7 +20,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kResultsVersion = 3;
+constexpr int kResultsVersion = 4;
 constexpr float kNotScanned = std::numeric_limits<float>::quiet_NaN();
 
 struct ScanMaps {
@@ -86,19 +87,15 @@ void mark_lanes(const RowLayout& layout, std::span<const TileSurvey> surveys, do
   }
 }
 
-// Heights at the centres of cells as large as the ground's nodes are apart, over the block and 10 m around it.
-RasterProduct ground_raster(const GroundModel& ground, const Grid2<float>& block) {
+// Heights at the centres of cells as large as the ground's nodes are apart.
+Result<RasterProduct> ground_raster(const GroundModel& ground, const RowLayout& layout) {
   double cell = 0.25;
   for (const auto& [index, nodes] : ground.tiles()) cell = nodes.cell_m;
-  const double margin = 10;
-  const auto snap = [cell](double v, bool up) { return (up ? std::ceil(v / cell) : std::floor(v / cell)) * cell; };
-  const Eigen::Vector2d low(snap(block.origin.x() - margin, false), snap(block.origin.y() - margin, false));
-  const Eigen::Vector2d high(snap(block.origin.x() + block.nx * block.cell_m + margin, true),
-                             snap(block.origin.y() + block.ny * block.cell_m + margin, true));
-  const int nx = round_int((high.x() - low.x()) / cell), ny = round_int((high.y() - low.y()) / cell);
-  RasterProduct raster{"ground", "m", "Height of the ground", Grid2<float>(low, cell, nx, ny, kNotScanned)};
-  for (int iy = 0; iy < ny; ++iy)
-    for (int ix = 0; ix < nx; ++ix) {
+  RAYFIELD_ASSIGN(const RasterFrame frame, ground_frame(layout, cell));
+  RasterProduct raster{"ground", "m", "Height of the ground",
+                       Grid2<float>(frame.origin, frame.cell_m, frame.nx, frame.ny, kNotScanned)};
+  for (int iy = 0; iy < frame.ny; ++iy)
+    for (int ix = 0; ix < frame.nx; ++ix) {
       const Eigen::Vector2d p = raster.grid.center(ix, iy);
       if (const auto height = ground.height(p.x(), p.y())) raster.grid.at(ix, iy) = static_cast<float>(*height);
     }
@@ -110,7 +107,8 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
                            std::span<const tile::TileIndex> tiles) {
   ScanMaps maps;
   RAYFIELD_ASSIGN(RowVoxels voxels, RowVoxels::open(work, "", tiles, work.options.memory_bytes / 8));
-  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(list.row_segments, work.options.plan));
+  RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, list.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
@@ -123,7 +121,8 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
   }
   maps.rasters = plan.finish();
   mark_lanes(layout, surveyed.surveys, work.tile_size_m(), maps.rasters);
-  maps.rasters.push_back(ground_raster(surveyed.ground, maps.rasters.front().grid));
+  RAYFIELD_ASSIGN(RasterProduct heights, ground_raster(surveyed.ground, layout));
+  maps.rasters.push_back(std::move(heights));
   return maps;
 }
 

@@ -42,6 +42,18 @@ RowDensity random_row(std::uint64_t seed) {
   return r;
 }
 
+// A map that holds the row and nothing beyond.
+Result<PlanRaster> raster_of(const RowDensity& row, const PlanRasterOptions& options) {
+  Eigen::AlignedBox2d box;
+  for (int a = 0; a < row.n_along; ++a)
+    for (const int c : {0, row.n_across - 1}) {
+      box.extend(Eigen::Vector2d(row.center(a, c).array() - row.voxel_m));
+      box.extend(Eigen::Vector2d(row.center(a, c).array() + row.voxel_m));
+    }
+  RAYFIELD_ASSIGN(const RasterFrame frame, frame_around(box, options.cell_m));
+  return PlanRaster::create(frame, row.row_segments, options);
+}
+
 double direct_sum(const RowDensity& r) {
   return std::accumulate(r.density.begin(), r.density.end(), 0.0) * std::pow(r.voxel_m, 3);
 }
@@ -61,7 +73,7 @@ TEST(Integrate, ThePanelsTogetherAreTheWholeRowWithWhatOverhangsItsEnds) {
 TEST(Integrate, ThePlanRasterHoldsTheSameAreaAtAnyCellSize) {
   const RowDensity row = random_row(2);
   for (const double cell : {0.05, 0.1, 0.25, 1.0}) {
-    auto raster = PlanRaster::create(row.row_segments, {cell, 0.97});
+    auto raster = raster_of(row, {cell, 0.97});
     ASSERT_TRUE(raster.has_value());
     raster->add(row);
     const auto products = raster->finish();
@@ -129,7 +141,7 @@ TEST(Integrate, UnscannedIsNanAndScannedEmptyIsZero) {
   EXPECT_TRUE(std::isnan(unseen[0].plant_area_m2));
   EXPECT_EQ(unseen[0].observed_fraction, 0);
   EXPECT_TRUE(std::isnan(row_metres(row, 4.5, {})[0].leaf_area_per_m));
-  auto raster = PlanRaster::create(row.row_segments, {});
+  auto raster = raster_of(row, {});
   ASSERT_TRUE(raster.has_value());
   raster->add(row);
   const std::vector<RasterProduct> products = raster->finish();
@@ -141,7 +153,7 @@ TEST(Integrate, TheStandardErrorOfAMapCellAddsIndependentColumns) {
   RowDensity row = random_row(7);
   std::fill(row.variance.begin(), row.variance.end(), 0.0F);
   row.variance[row.index(4, 4, 3)] = 9.0F;
-  auto raster = PlanRaster::create(row.row_segments, {10.0, 0.97});  // cells larger than the row
+  auto raster = raster_of(row, {10.0, 0.97});  // cells larger than the row
   ASSERT_TRUE(raster.has_value());
   raster->add(row);
   double variance = 0;  // the column may lie across a border of cells: compare shares² only when it does not
@@ -172,8 +184,17 @@ TEST(Integrate, QuantileHeightsAreLinearInsideALayer) {
 }
 
 TEST(PlanRaster, NoRowSegmentsAndOptionsOutOfRangeAreRefused) {
-  EXPECT_EQ(PlanRaster::create({}, {}).error().code, ErrorCode::usage);
-  EXPECT_FALSE(PlanRaster::create(random_row(1).row_segments, {0.0, 0.97}).has_value());
+  const RowDensity row = random_row(1);
+  const RasterFrame frame{row.row_segments[0].origin - Eigen::Vector2d(64, 64), 0.1, 1280, 1280};
+  EXPECT_EQ(PlanRaster::create(frame, {}, {}).error().code, ErrorCode::usage);
+  EXPECT_FALSE(PlanRaster::create(frame, row.row_segments, {0.0, 0.97}).has_value());
+  EXPECT_TRUE(PlanRaster::create(frame, row.row_segments, {}).has_value());
+}
+
+TEST(PlanRaster, ARowThatReachesBeyondTheFrameIsRefusedInsteadOfCut) {
+  const RowDensity row = random_row(1);
+  const RasterFrame frame{row.row_segments[0].origin, 0.1, 64, 64};
+  EXPECT_EQ(PlanRaster::create(frame, row.row_segments, {}).error().code, ErrorCode::internal);
 }
 
 }  // namespace

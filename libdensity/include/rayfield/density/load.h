@@ -25,8 +25,10 @@ inline constexpr const char* kWoodInLeafArea = "leaf area holds canes and wires:
 Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot& snapshot,
                                  const std::vector<std::string>& scan_ids);
 
-/// One raster of one scan. Errors: usage (not processed yet), damaged.
-Result<RasterProduct> load_raster(const tile::Store& store, const tile::ScanEntry& scan, const std::string& name);
+/// One raster of one scan, in the frame that all dates of the block share: rasters of one name and cell size lie cell
+/// upon cell. Errors: usage (not processed yet), damaged.
+Result<RasterProduct> load_raster(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                                  const std::string& name);
 
 /// Scans whose id or date is among `wanted` (all if empty). Errors: usage, naming what is not there.
 Result<std::vector<std::string>> select_scans(const tile::Snapshot& snapshot, const std::vector<std::string>& wanted);
