@@ -78,7 +78,7 @@ TEST(LeafProducts, ADormantScanAddedLaterChangesLeafAreasAndNothingElse) {
   for (const RowMetreProduct& metre : results.row_metres) metres += 0.5 * metre.leaf_area_per_m;
   EXPECT_NEAR(metres, leaf_area(results), 1e-9 * metres);
   double map = 0;
-  const RasterProduct raster = testing::take(load_raster(block.store(), snapshot.scans[1], kLeafRasterName));
+  const RasterProduct raster = testing::take(load_raster(block.store(), snapshot, snapshot.scans[1], kLeafRasterName));
   for (const float cell : raster.grid.values)
     if (std::isfinite(cell)) map += static_cast<double>(cell) * raster.grid.cell_m * raster.grid.cell_m;
   EXPECT_NEAR(map, leaf_area(results), 1e-4 * map);
