@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
+#include "formats/vehicle/bzip2_text.h"
 #include "tests/formats/bag_bytes.h"
 
 namespace rayfield::formats {
@@ -37,6 +39,57 @@ TEST(TrajectoryFile, RoundTripsPosesCrsAndFrame) {
     EXPECT_LT((again->poses[i].map_from_body.translation - trajectory.poses[i].map_from_body.translation).norm(), 1e-6);
     EXPECT_LT(again->poses[i].map_from_body.rotation.angularDistance(turned), 1e-7);
   }
+}
+
+// A drive at 1.2 m/s over rough ground, 100 poses a second.
+Trajectory rough_drive(int count) {
+  Trajectory trajectory;
+  trajectory.crs = "EPSG:7854";
+  trajectory.frame = "IMU";
+  for (int i = 0; i < count; ++i) {
+    const double t = 0.01 * i;
+    const Eigen::Vector3d p(276543.1 + 1.2 * t, 6099876.6 + 0.03 * std::sin(7.1 * t), 82.5 + 0.02 * std::sin(23.3 * t));
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(0.4 + 0.02 * std::sin(5.7 * t), Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(0.03 * std::sin(19.1 * t), Eigen::Vector3d::UnitX());
+    trajectory.poses.push_back({1549843200.0 + t, {q, p}});
+  }
+  return trajectory;
+}
+
+TEST(TrajectoryFile, APackedTrajectoryKeepsEveryPoseToWhatRaysNeedInAFourthOfTheBytes) {
+  const Trajectory trajectory = rough_drive(6000);
+  const auto packed = pack_trajectory(trajectory);
+  ASSERT_TRUE(packed) << packed.error().line();
+  const bytes::TemporaryFile plain("", ".tum"), file(*packed, ".tum.bz2");
+  ASSERT_TRUE(write_trajectory(plain.path(), trajectory));
+  EXPECT_LT(static_cast<double>(packed->size()), 0.25 * static_cast<double>(std::filesystem::file_size(plain.path())));
+  const auto again = read_trajectory(file.path());
+  ASSERT_TRUE(again) << again.error().line();
+  EXPECT_EQ(again->crs, "EPSG:7854");
+  ASSERT_EQ(again->poses.size(), trajectory.poses.size());
+  for (std::size_t i = 0; i < trajectory.poses.size(); ++i) {
+    const TimedPose &a = again->poses[i], &b = trajectory.poses[i];
+    EXPECT_NEAR(a.time_s, b.time_s, 1e-6);
+    const Eigen::Vector3d far_end(0, 40, 0);
+    EXPECT_LT((a.map_from_body * far_end - b.map_from_body * far_end).norm(), 2e-5) << "of a ray of 40 m";
+  }
+}
+
+TEST(TrajectoryFile, RefusesPackedFilesThatAreDamagedCutOrBombs) {
+  const std::string good = *pack_trajectory(rough_drive(500));
+  const auto expect_refused = [](const std::string& text, const char* why) {
+    const auto trajectory = read(text);
+    ASSERT_FALSE(trajectory) << why;
+    EXPECT_EQ(trajectory.error().code, ErrorCode::bad_input);
+    EXPECT_THAT(trajectory.error().line(), HasSubstr(why));
+  };
+  expect_refused(good.substr(0, good.size() / 2), "ends early");
+  std::string damaged = good;
+  damaged[good.size() / 2] = static_cast<char>(damaged[good.size() / 2] ^ 4);
+  expect_refused(damaged, "damaged");
+  const auto bomb = pack_text(std::string(200'000'000, '\n'));
+  ASSERT_TRUE(bomb);
+  expect_refused(*bomb, "far more");
 }
 
 TEST(TrajectoryFile, ReadsPlainTumWithTabsCommentsAndWindowsLineEnds) {

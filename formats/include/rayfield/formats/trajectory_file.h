@@ -18,6 +18,7 @@ struct Trajectory {
   std::string frame;             ///< the body, e.g. "IMU"; empty where the file names none
 };
 
+/// Reads such a text, or one that pack_trajectory() packed.
 /// Errors: bad_input with the line in `where` (not eight numbers, time not increasing, quaternion not unit within
 /// 1e-3), resources.
 Result<Trajectory> read_trajectory(const std::string& path);
@@ -25,5 +26,9 @@ Result<Trajectory> read_trajectory(const std::string& path);
 /// Writes time to 0.1 µs, position to 1 µm and quaternions to 1e-10, through a temporary file that is renamed.
 /// Errors: usage (a pose with NaN, times not increasing, line breaks in the names), resources.
 Result<void> write_trajectory(const std::string& path, const Trajectory& trajectory);
+
+/// The same text as one bzip2 stream, to be kept: every pose, with time to 1 µs, position to 10 µm and quaternions to
+/// 1e-8. Errors: as write_trajectory().
+Result<std::string> pack_trajectory(const Trajectory& trajectory);
 
 }  // namespace rayfield::formats
