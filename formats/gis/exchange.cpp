@@ -87,7 +87,9 @@ Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, 
                             features.empty() ? "" : ",", json_string(panel.panel_uid), geometry,
                             properties(panel, found == values.end() ? nullptr : found->second));
   }
-  return "{\"type\":\"FeatureCollection\",\"features\":[" + features + "\n]}\n";
+  // A member of our own beside RFC 7946's, which its section 6.1 allows.
+  return fmt::format("{{\"type\":\"FeatureCollection\",\"snapshot\":{},\"features\":[{}\n]}}\n", block.snapshot,
+                     features);
 }
 
 std::string panels_csv(const BlockProducts& block) {

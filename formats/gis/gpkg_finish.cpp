@@ -6,6 +6,7 @@
 #include <array>
 
 #include "formats/gis/gpkg_describe.h"
+#include "formats/gis/gpkg_own.h"
 #include "formats/gis/qml.h"
 #include "formats/io/text_escape.h"
 
@@ -72,7 +73,8 @@ Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, c
   RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
   RAYFIELD_CHECK(create_view(package, time));
   RAYFIELD_CHECK(describe_columns(package, block));
-  return add_styles(package, block, time);
+  RAYFIELD_CHECK(add_styles(package, block, time));
+  return add_metadata(package, block);
 }
 
 Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockProducts& block,

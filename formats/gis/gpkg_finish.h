@@ -7,7 +7,7 @@
 namespace rayfield::formats::gpkg {
 
 /// Adds to the filled tables what SQL must say: column descriptions (schema extension), indices, the view
-/// `panel_by_date`, and `layer_styles`. `time`: the time of change that the file records.
+/// `panel_by_date`, `layer_styles`, and what gpkg_own.h records. `time`: the time of change that the file records.
 Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time);
 
 /// Integrity and numbers of rows of the finished file.

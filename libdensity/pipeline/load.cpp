@@ -145,6 +145,7 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
   BlockProducts products =
       layout_products(block.layout, names.block, store.config().crs, ground, outline_half_width(scans));
   products.farm = names.farm, products.variety = names.variety;
+  products.snapshot = snapshot.number;
   products.scans = std::move(scans);
   return products;
 }

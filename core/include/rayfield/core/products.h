@@ -115,8 +115,9 @@ struct ScanResults {
 
 /// A block with all its dates (rasters travel apart: they are large).
 struct BlockProducts {
-  std::string block;  ///< its name: the store's folder's, or the one it was given
-  std::string crs;    ///< "EPSG:7854"
+  std::string block;           ///< its name: the store's folder's, or the one it was given
+  std::string crs;             ///< "EPSG:7854"
+  std::uint64_t snapshot = 0;  ///< number of the store's snapshot that the products are of; 0: of no store
   std::vector<RowProduct> rows;
   std::vector<PanelProduct> panels;
   std::vector<PostProduct> posts;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
@@ -21,5 +23,32 @@ namespace rayfield::formats {
 /// before it is renamed into place. Errors: usage (CRS, a date that is none), internal (coordinates that are not
 /// finite, two panels with one UUID, GDAL), resources (disk, memory, permission), bad_input (no such folder).
 Result<void> write_geopackage(const BlockProducts& block, const std::string& path);
+
+/// What a GeoPackage that is there holds.
+struct ExistingGeoPackage {
+  std::vector<std::string> scan_ids;  ///< in the order of their dates
+  bool has_additions = false;         ///< tables, views or layer styles of users, which carry_over() takes along
+  /// What it does not, in words: columns that users added to rayfield's tables; the whole of a file that is no
+  /// GeoPackage of rayfield's. Values that were changed in rayfield's own tables are not noticed.
+  std::vector<std::string> lost;
+};
+
+/// Nothing where there is no such file.
+Result<std::optional<ExistingGeoPackage>> inspect_geopackage(const std::string& path);
+
+/// Errors: usage, where another program has the file open for writing. Its journal lies beside the file then, and
+/// SQLite would play it back into whatever replaces the file.
+Result<void> check_not_in_use(const std::string& path);
+
+/// Whether write_geopackage() and carry_over() can replace `path` so that nothing is lost. A scan that the file holds
+/// and `block` leaves out is lost if it is one of `scans_of_store`; others have been removed from the store. Errors:
+/// usage, naming the scans, or what users added; those of check_not_in_use().
+Result<void> check_replaceable(const BlockProducts& block, const std::vector<std::string>& scans_of_store,
+                               const std::string& path);
+
+/// Copies what users added to a GeoPackage (tables with geometries and spatial indices, views, layer styles, QGIS
+/// projects) into one that was just written. A style of theirs that was the default of its layer stays it. Errors:
+/// resources, internal.
+Result<void> carry_over(const std::string& from, const std::string& to);
 
 }  // namespace rayfield::formats
