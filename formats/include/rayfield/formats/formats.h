@@ -26,6 +26,7 @@
 #include "rayfield/formats/geopackage.h"      // a block with all its dates as one GeoPackage
 #include "rayfield/formats/geotiff.h"         // rasters as Cloud Optimised GeoTIFF, sections in a local frame
 #include "rayfield/formats/picture.h"         // plan views, side views and end-on sections as PNG
+#include "rayfield/formats/product_folder.h"  // products that appear in their folder together
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
