@@ -16,6 +16,8 @@ void add_all_commands(Commands& commands) {
   add_options_command(commands);
   add_status_command(commands);
   add_log_command(commands);
+  add_remove_command(commands);
+  add_revert_command(commands);
   add_verify_command(commands);
   add_gc_command(commands);
 }

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/jobs/export_block.h"
@@ -12,6 +13,7 @@ struct ExportArguments {
   std::string store, folder;
   std::vector<std::string> formats = {"geotiff", "gpkg", "png"};
   std::vector<std::string> dates;
+  std::optional<std::uint64_t> snapshot;
 };
 
 Result<Outcome> run_export(const ExportArguments& arguments, const Context& context) {
@@ -25,9 +27,14 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
     outcome.text = fmt::format("Would export {} to {}\n", arguments.store, arguments.folder);
     return outcome;
   }
-  const ExportOptions options{{arguments.formats.begin(), arguments.formats.end()}, arguments.dates};
-  RAYFIELD_ASSIGN(const auto written, export_block(store, arguments.folder, options, context.progress));
-  for (const auto& path : written) {
+  ExportOptions options;
+  options.formats = {arguments.formats.begin(), arguments.formats.end()};
+  options.dates = arguments.dates;
+  options.snapshot = arguments.snapshot;
+  options.overwrite = context.options.overwrite;
+  RAYFIELD_ASSIGN(const ExportReport report, export_block(store, arguments.folder, options, context.progress));
+  outcome.data["snapshot"] = report.snapshot;
+  for (const auto& path : report.products) {
     outcome.data["files"].push_back(path.string());
     outcome.text += path.string() + "\n";
   }
@@ -44,6 +51,8 @@ void add_export_command(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
   command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
+  command->add_option("--snapshot", arguments->snapshot,
+                      "Number of the snapshot to export, see `rayfield log` (default: the newest)");
   command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
       ->delimiter(',')
       ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));

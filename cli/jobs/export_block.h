@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,11 +16,22 @@ namespace rayfield::cli {
 /// What `rayfield export` writes.
 struct ExportOptions {
   std::set<std::string> formats = {"geotiff", "gpkg", "png"};
-  std::vector<std::string> dates;  ///< scan ids or dates; empty = all
+  std::vector<std::string> dates;         ///< scan ids or dates; empty = all
+  std::optional<std::uint64_t> snapshot;  ///< number; the newest if absent
+  bool keep_unchanged = false;            ///< leave products in the folder that would be made of the same
+  bool overwrite = false;                 ///< replace a GeoPackage even if something is lost with it
 };
 
-/// Writes the products of a block into a folder and returns the paths written, in a fixed order.
-Result<std::vector<std::filesystem::path>> export_block(const tile::Store& store, const std::filesystem::path& folder,
-                                                        const ExportOptions& options, Progress& progress);
+/// What was exported.
+struct ExportReport {
+  std::uint64_t snapshot = 0;                   ///< that all of it is of
+  std::vector<std::filesystem::path> products;  ///< in a fixed order
+  std::size_t written = 0;                      ///< of the products; the others were kept
+};
+
+/// Writes the products of a block into a folder, in which they appear together. All are of one snapshot, whatever other
+/// writers do meanwhile. Errors: usage where a GeoPackage would be replaced by one with less in it.
+Result<ExportReport> export_block(const tile::Store& store, const std::filesystem::path& folder,
+                                  const ExportOptions& options, Progress& progress);
 
 }  // namespace rayfield::cli

@@ -4,29 +4,13 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "tests/cli/lane_cloud.h"
 #include "tests/cli/program.h"
 
 namespace rayfield::test {
 namespace {
 
 using testing::HasSubstr;
-
-// A cloud of `count` rays that go down from 2 m above a moving vehicle.
-std::string cloud(std::size_t count, const std::string& format = "binary_little_endian", bool starts = true) {
-  std::string text = "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(count) +
-                     "\nproperty double x\nproperty double y\nproperty double z\nproperty double time\n";
-  if (starts) text += "property float nx\nproperty float ny\nproperty float nz\n";
-  text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n";
-  for (std::size_t i = 0; i < count; ++i) {
-    const double row[4] = {500000.0 + 0.01 * static_cast<double>(i), 5200000.0, 100.0,
-                           1.6e9 + 0.001 * static_cast<double>(i)};
-    const float start[3] = {0, 0, 2};
-    text.append(reinterpret_cast<const char*>(row), sizeof(row));
-    if (starts) text.append(reinterpret_cast<const char*>(start), sizeof(start));
-    text.append("\x80\x80\x80\xff", 4);
-  }
-  return text;
-}
 
 // Expects a refusal with that exit code and exactly one line that says `why`.
 void expect_refused(const Outcome& run, int exit_code, const std::string& why) {
@@ -47,9 +31,8 @@ class CommandLine : public testing::Test {
 };
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
-  for (const char* verb :
-       {"demo", "simulate", "init", "add", "process", "export", "info", "status", "log", "verify", "gc",
-        "registry"}) {
+  for (const char* verb : {"demo", "simulate", "init", "add", "process", "export", "compare", "info", "status", "log",
+                           "remove", "revert", "registry", "verify", "gc"}) {
     const Outcome run = rayfield({verb, "--help"});
     EXPECT_EQ(run.exit_code, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr(std::string("rayfield ") + verb)) << verb;
@@ -79,18 +62,18 @@ TEST_F(CommandLine, RefusesToMakeAStoreWhereOneIs) {
 TEST_F(CommandLine, RefusesWhatIsNoRayCloudAndNamesTheReason) {
   const auto add = [&](const std::string& path) { return rayfield({"add", store(), path, "--date", "2021-05-01"}); };
   expect_refused(add(put("a.ply", "not a ply file")), 3, "not a PLY");
-  expect_refused(add(put("b.ply", cloud(10, "ascii"))), 3, "ASCII");
-  expect_refused(add(put("c.ply", cloud(10).substr(0, 500))), 3, "truncated");
-  expect_refused(add(put("d.ply", cloud(10) + "tail")), 3, "4 bytes follow");
-  expect_refused(add(put("e.ply", cloud(10, "binary_little_endian", false))), 3, "without ray starts");
-  expect_refused(add(put("f.ply", cloud(0))), 3, "no rays");
+  expect_refused(add(put("b.ply", lane_cloud(10, "ascii"))), 3, "ASCII");
+  expect_refused(add(put("c.ply", lane_cloud(10).substr(0, 500))), 3, "truncated");
+  expect_refused(add(put("d.ply", lane_cloud(10) + "tail")), 3, "4 bytes follow");
+  expect_refused(add(put("e.ply", lane_cloud(10, "binary_little_endian", false))), 3, "without ray starts");
+  expect_refused(add(put("f.ply", lane_cloud(0))), 3, "no rays");
   expect_refused(add(folder_.path("missing.ply")), 3, "No such file");
   const auto status = nlohmann::json::parse(rayfield({"status", store(), "--json"}).out);
   EXPECT_TRUE(status["scans"].empty()) << "a refused cloud leaves nothing behind";
 }
 
 TEST_F(CommandLine, TakesWhatIsThereOfATruncatedCloudWhenAsked) {
-  const std::string path = put("cut.ply", cloud(10).substr(0, cloud(10).size() - 100));
+  const std::string path = put("cut.ply", lane_cloud(10).substr(0, lane_cloud(10).size() - 100));
   const Outcome run = rayfield({"add", store(), path, "--date", "2021-05-01", "--allow-truncated", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto report = nlohmann::json::parse(run.out);
@@ -99,7 +82,7 @@ TEST_F(CommandLine, TakesWhatIsThereOfATruncatedCloudWhenAsked) {
 }
 
 TEST_F(CommandLine, CountsRaysWithCoordinatesThatAreNotNumbers) {
-  std::string bytes = cloud(20);
+  std::string bytes = lane_cloud(20);
   const std::size_t body = bytes.find("end_header\n") + 11;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const std::size_t ray : {2U, 5U, 11U}) std::memcpy(bytes.data() + body + ray * 48, &nan, sizeof(nan));
@@ -111,7 +94,7 @@ TEST_F(CommandLine, CountsRaysWithCoordinatesThatAreNotNumbers) {
 }
 
 TEST_F(CommandLine, TheSameScanTwiceIsNothingToDoAndAnotherOneOfThatDateIsRefused) {
-  const std::string first = put("first.ply", cloud(50)), second = put("second.ply", cloud(60));
+  const std::string first = put("first.ply", lane_cloud(50)), second = put("second.ply", lane_cloud(60));
   ASSERT_EQ(rayfield({"add", store(), first, "--date", "2021-05-01"}).exit_code, 0);
   const Outcome again = rayfield({"add", store(), first, "--date", "2021-05-01", "--json"});
   EXPECT_EQ(again.exit_code, 0);
@@ -123,7 +106,7 @@ TEST_F(CommandLine, TheSameScanTwiceIsNothingToDoAndAnotherOneOfThatDateIsRefuse
 }
 
 TEST_F(CommandLine, AScanWithoutRowsEndsWithThreeAndLosesNothing) {
-  ASSERT_EQ(rayfield({"add", store(), put("lane.ply", cloud(3000)), "--date", "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(rayfield({"add", store(), put("lane.ply", lane_cloud(3000)), "--date", "2021-05-01"}).exit_code, 0);
   expect_refused(rayfield({"process", store(), "-q"}), 3, "no rows found");
   EXPECT_EQ(rayfield({"verify", store(), "-q"}).exit_code, 0);
 }
@@ -135,7 +118,7 @@ TEST_F(CommandLine, SaysWhatIsMissingBeforeAnythingWasAddedOrProcessed) {
 }
 
 TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
-  ASSERT_EQ(rayfield({"add", store(), put("a.ply", cloud(5000)), "--date", "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(rayfield({"add", store(), put("a.ply", lane_cloud(5000)), "--date", "2021-05-01"}).exit_code, 0);
   EXPECT_EQ(rayfield({"verify", store()}).exit_code, 0);
   std::string damaged;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(store())) {
@@ -153,7 +136,7 @@ TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
 }
 
 TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
-  ASSERT_EQ(rayfield({"add", store(), put("a.ply", cloud(50)), "--date", "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(rayfield({"add", store(), put("a.ply", lane_cloud(50)), "--date", "2021-05-01"}).exit_code, 0);
   const std::string good = put("good.toml", "threads = 1\n[process]\nvoxel-size = -1.0\n");
   expect_refused(rayfield({"process", store(), "--config", good}), 2, "voxel");
   const std::string wins = put("wins.toml", "[process]\nvoxel-size = -1.0\n");
@@ -173,7 +156,7 @@ TEST_F(CommandLine, JsonIsOneDocumentAlsoForErrors) {
 }
 
 TEST_F(CommandLine, ADryRunChangesNothing) {
-  const std::string path = put("a.ply", cloud(50));
+  const std::string path = put("a.ply", lane_cloud(50));
   const auto before = content_of(store());
   EXPECT_EQ(rayfield({"add", store(), path, "--date", "2021-05-01", "--dry-run"}).exit_code, 0);
   EXPECT_EQ(rayfield({"init", folder_.path("other"), "--crs", "EPSG:32632", "--dry-run"}).exit_code, 0);

@@ -77,6 +77,15 @@ TEST(SnapshotJson, WhetherAScanIsDormantIsKeptWhereItWasSaidAndAbsentWhereNot) {
   EXPECT_EQ(snapshot_from_json(json, "x").error().code, ErrorCode::damaged);
 }
 
+TEST(SnapshotJson, ASnapshotOfANewerFormatAsksForANewerProgram) {
+  auto json = to_json(sample_snapshot());
+  json["version"] = 2;
+  const auto back = snapshot_from_json(json, "x");
+  ASSERT_FALSE(back);
+  EXPECT_EQ(back.error().code, ErrorCode::bad_input);
+  EXPECT_NE(back.error().line().find("newer rayfield"), std::string::npos) << back.error().line();
+}
+
 TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   for (const char* path : {"/etc/passwd", "../other/tile.h5", "scans/../../x", ""}) {
     Snapshot snapshot = sample_snapshot();
