@@ -10,6 +10,7 @@ void add_all_commands(Commands& commands) {
   add_add_command(commands);
   add_process_command(commands);
   add_export_command(commands);
+  add_update_command(commands);
   add_compare_command(commands);
   add_registry_command(commands);
   add_info_command(commands);

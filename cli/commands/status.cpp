@@ -28,6 +28,9 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
   }
   ordered_json derived = ordered_json::object();
   for (const tile::DerivedEntry& entry : scan.derived) derived[entry.kind] = derived.value(entry.kind, 0) + 1;
+  ordered_json files = ordered_json::array();
+  for (const tile::AttachmentEntry& kept : scan.attachments)
+    files.push_back({{"name", kept.name}, {"path", kept.file.path}, {"bytes", kept.file.size}});
   ordered_json json = {
       {"scan_id", scan.scan_id},
       {"date", scan.date},
@@ -42,6 +45,7 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
       {"bytes_per_ray", scan.ray_count > 0 ? static_cast<double>(bytes) / static_cast<double>(scan.ray_count) : 0.0},
       {"derived", derived},
       {"dormant", scan.dormant ? ordered_json(*scan.dormant) : ordered_json(nullptr)},
+      {"files", files},
       {"warnings", scan.warnings}};
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
   return json;
@@ -68,6 +72,8 @@ Result<Outcome> store_status(const std::string& folder) {
                     scan.tiles.size(), bytes_text(entry["ray_bytes"].get<std::uint64_t>()),
                     entry["bytes_per_ray"].get<double>(), is_processed(scan) ? ", processed" : ", not processed");
     if (scan.alignment) outcome.text += fmt::format("    {}\n", alignment_text(*scan.alignment));
+    for (const tile::AttachmentEntry& kept : scan.attachments)
+      outcome.text += fmt::format("    kept: {}, {}\n", kept.name, bytes_text(kept.file.size));
     for (const std::string& warning : scan.warnings) outcome.text += fmt::format("    note: {}\n", warning);
     outcome.data["scans"].push_back(entry);
   }

@@ -5,7 +5,9 @@
 #include <memory>
 
 #include "cli/jobs/align_scan.h"
+#include "cli/jobs/drive_files.h"
 #include "cli/jobs/drive_log.h"
+#include "cli/jobs/scan_date.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/missing_rays.h"
@@ -76,7 +78,8 @@ Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& pr
 
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
                                               const fs::path& scratch, int threads, Progress& progress,
-                                              std::vector<std::string>& warnings) {
+                                              std::vector<std::string>& warnings,
+                                              std::vector<tile::NewAttachment>& attachments) {
   if (is_log(path)) {
     RAYFIELD_CHECK(require_rig(path, inputs));
     slam::SlamOptions options;
@@ -87,6 +90,7 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     for (const std::string& warning : drive.report.warnings) progress.warn(warning);
     for (const std::string& warning : all_warnings(drive))
       warnings.push_back(path.filename().string() + ": " + warning);
+    RAYFIELD_CHECK(keep_drive_files(drive, attachments));
     return std::move(drive.rays);
   }
   RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
@@ -141,8 +145,8 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
-    RAYFIELD_ASSIGN(auto part,
-                    open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress, warnings));
+    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
+                                          warnings, options.attachments));
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts), warnings);
@@ -151,8 +155,9 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   RAYFIELD_ASSIGN(const ScanPlacement placement, place(store, source, inputs, options, progress));
   options.alignment = placement.record;
   options.attachments.push_back({"alignment.json", alignment_file(placement)});
-  const auto aligned = placement.alignment ? align::open_aligned(source, *placement.alignment) : nullptr;
-  Result<tile::AddReport> report = store.add(aligned ? *aligned : source, options, progress);
+  DatedSource dated(source, options.date, store.config().crs);
+  const auto aligned = placement.alignment ? align::open_aligned(dated, *placement.alignment) : nullptr;
+  Result<tile::AddReport> report = store.add(aligned ? *aligned : static_cast<RaySource&>(dated), options, progress);
   if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};
   if (report.error().code == ErrorCode::bad_input)
     for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";

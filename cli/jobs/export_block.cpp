@@ -46,6 +46,13 @@ std::string layout_source(const tile::Snapshot& snapshot) {
   return source.hex();
 }
 
+// What is marked in the side views.
+std::string posts_source(const BlockProducts& block) {
+  Source source("posts");
+  for (const PostProduct& post : block.posts) source.add(post.row_number).add(post.chainage_m);
+  return source.hex();
+}
+
 // What lies over the plan views.
 std::string overlay_source(const BlockProducts& block) {
   Source source("overlay");
@@ -187,13 +194,13 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   progress.stage("export", scan_ids.size() + 1, "steps");
   RAYFIELD_CHECK(export_tables(block, content, carry_over_from, options, output));
   progress.advance(1);
-  const std::string layout = layout_source(snapshot), overlay = overlay_source(block);
+  const std::string layout = layout_source(snapshot), overlay = overlay_source(block), posts = posts_source(block);
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
     const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
     RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, layout, overlay, options, output));
-    const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(overlay).hex();
+    const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
     if (options.formats.count("png") > 0) RAYFIELD_CHECK(export_sections(results, block, sections, output));
     progress.advance(1);
   }

@@ -1,0 +1,191 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "cli/commands/commands.h"
+#include "cli/console/option_settings.h"
+#include "cli/console/text.h"
+#include "cli/jobs/block_list.h"
+#include "cli/jobs/update_block.h"
+#include "rayfield/core/date.h"
+#include "rayfield/core/text_file.h"
+
+namespace rayfield::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct UpdateArguments {
+  std::string store, list, output;
+  std::vector<std::string> files;
+  BlockUpdate block;
+};
+
+UpdateOptions options_of(const Context& context) {
+  return {context.options.overwrite, context.options.threads, context.options.memory_bytes, context.command_line};
+}
+
+std::size_t files_made(const density::ProcessReport& report) {
+  std::size_t made = 0;
+  for (const density::ScanReport& scan : report.scans) made += scan.files_made;
+  return made;
+}
+
+ordered_json to_json(const BlockUpdate& block, const UpdateReport& report) {
+  ordered_json json = {{"store", block.store.string()},
+                       {"scan_id", report.added.report.scan_id},
+                       {"already_there", report.added.report.already_there},
+                       {"rays", report.added.report.ray_count},
+                       {"warnings", report.added.report.warnings},
+                       {"panels", report.processed.panels},
+                       {"files_made", files_made(report.processed)},
+                       {"snapshot", report.snapshot}};
+  if (!report.exported) return json;
+  json["products_written"] = report.exported->written;
+  json["products"] = ordered_json::array();
+  for (const auto& path : report.exported->products) json["products"].push_back(path.string());
+  return json;
+}
+
+// "2019-02-11: 3 200 000 rays added; 120 files made; 9 of 30 products written"
+std::string to_text(const UpdateReport& report) {
+  const tile::AddReport& scan = report.added.report;
+  std::string text = fmt::format("{}: {}", scan.scan_id,
+                                 scan.already_there ? "there already" : grouped(scan.ray_count) + " rays added");
+  const std::size_t made = files_made(report.processed);
+  text += made == 0 ? "; nothing to process" : fmt::format("; {} files made", made);
+  if (report.exported)
+    text += report.exported->written == 0 ? "; products as they were"
+                                          : fmt::format("; {} products written", report.exported->written);
+  return text;
+}
+
+// Warnings of the scan that were not shown while it was read.
+void show_warnings(const UpdateReport& report, Progress& progress) {
+  if (report.added.report.already_there) return;
+  const std::vector<std::string>& shown = report.added.shown_warnings;
+  for (const std::string& warning : report.added.report.warnings)
+    if (std::find(shown.begin(), shown.end(), warning) == shown.end()) progress.warn(warning);
+}
+
+// What --dry-run says: whether the scan is there.
+Result<Outcome> describe(const BlockUpdate& block) {
+  Outcome outcome;
+  outcome.data = {{"store", block.store.string()}, {"date", block.date}, {"dry_run", true}};
+  outcome.text = fmt::format("Would update {} with {} file{} of {}{}\n", block.store.string(),
+                             block.inputs.files.size(), block.inputs.files.size() == 1 ? "" : "s", block.date,
+                             block.output ? " and export to " + block.output->string() : std::string());
+  return outcome;
+}
+
+Result<Outcome> run_single(const UpdateArguments& arguments, const Context& context) {
+  BlockUpdate block = arguments.block;
+  block.store = arguments.store;
+  block.inputs.files.assign(arguments.files.begin(), arguments.files.end());
+  if (!arguments.output.empty()) block.output = arguments.output;
+  if (block.store.empty() || block.inputs.files.empty() || block.date.empty())
+    return fail(ErrorCode::usage, "wrong usage", "rayfield update", "it needs STORE, LOG|CLOUD and --date, or --batch",
+                "see `rayfield update --help`");
+  RAYFIELD_CHECK(parse_date(block.date));
+  if (context.options.dry_run) return describe(block);
+  RAYFIELD_ASSIGN(const UpdateReport report, update_block(block, options_of(context), context.progress));
+  show_warnings(report, context.progress);
+  return Outcome{to_json(block, report), to_text(report) + "\n"};
+}
+
+// One line of the table that a batch ends with.
+struct BatchRow {
+  std::string block, state, what;
+};
+
+std::string table_of(const std::vector<BatchRow>& rows) {
+  std::size_t block = 0, state = 0;
+  for (const BatchRow& row : rows) block = std::max(block, row.block.size()), state = std::max(state, row.state.size());
+  std::string text;
+  for (const BatchRow& row : rows)
+    text += fmt::format("{:<{}}  {:<{}}  {}\n", row.block, block, row.state, state, row.what);
+  return text;
+}
+
+ordered_json failure_json(const BlockUpdate& block, const Error& error) {
+  return {{"store", block.store.string()},
+          {"error",
+           {{"code", static_cast<int>(error.code)},
+            {"what", error.what},
+            {"where", error.where},
+            {"why", error.why},
+            {"next", error.next}}}};
+}
+
+// Block after block; a failure is told and the next one is begun. Only Ctrl-C ends it before the last.
+Result<Outcome> run_batch(const std::string& list, const Context& context) {
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(list, "cannot read list of blocks"));
+  RAYFIELD_ASSIGN(const std::vector<BlockUpdate> blocks, parse_block_list(text, list));
+  Outcome outcome;
+  outcome.data = {{"batch", list}, {"blocks", ordered_json::array()}};
+  std::vector<BatchRow> rows;
+  std::optional<ErrorCode> failed;
+  for (const BlockUpdate& block : blocks) {
+    const std::string name = block.store.filename().empty() ? block.store.string() : block.store.filename().string();
+    if (failed == ErrorCode::interrupted) {
+      outcome.data["blocks"].push_back({{"store", block.store.string()}, {"not_begun", true}});
+      rows.push_back({name, "not begun", ""});
+      continue;
+    }
+    if (context.options.dry_run) {
+      RAYFIELD_ASSIGN(const Outcome described, describe(block));
+      outcome.data["blocks"].push_back(described.data);
+      rows.push_back({name, "dry run", described.text.substr(0, described.text.size() - 1)});
+      continue;
+    }
+    const auto report = update_block(block, options_of(context), context.progress);
+    if (report) {
+      show_warnings(*report, context.progress);
+      outcome.data["blocks"].push_back(to_json(block, *report));
+      rows.push_back({name, "done", to_text(*report)});
+      continue;
+    }
+    const Error& error = report.error();
+    if (!failed || error.code == ErrorCode::interrupted) failed = error.code;
+    context.progress.warn(error.line());
+    outcome.data["blocks"].push_back(failure_json(block, error));
+    rows.push_back({name, "failed", error.line()});
+  }
+  outcome.text = table_of(rows);
+  if (failed) outcome.data["exit_code"] = static_cast<int>(*failed);
+  return outcome;
+}
+
+Result<Outcome> run_update(const UpdateArguments& arguments, const Context& context) {
+  if (arguments.list.empty()) return run_single(arguments, context);
+  const BlockUpdate& block = arguments.block;
+  if (!arguments.store.empty() || !arguments.files.empty() || !arguments.output.empty() || !block.date.empty() ||
+      !block.name.empty() || !block.crs.empty() || !block.inputs.rig_file.empty() || !block.settings.empty())
+    return fail(ErrorCode::usage, "wrong usage", "rayfield update", "--batch takes everything from its list",
+                "write it there, see docs/commands.md");
+  return run_batch(arguments.list, context);
+}
+
+}  // namespace
+
+void add_update_command(Commands& commands) {
+  const auto arguments = std::make_shared<UpdateArguments>();
+  CLI::App* command = commands.add(
+      "update", "Register, add, process and export a scan: the monthly job; or that of many blocks, with --batch",
+      "rayfield update myblock scan.bag --rig rig.toml --date 2019-02-11 -o maps",
+      [arguments](Context& context) { return run_update(*arguments, context); });
+  command->add_option("STORE", arguments->store, "Folder of the store");
+  command->add_option("LOG|CLOUD", arguments->files, "Logs or ray clouds of one scan, in the order of their times");
+  command->add_option("--date", arguments->block.date, "Day of the scan, YYYY-MM-DD");
+  command->add_option("--rig", arguments->block.inputs.rig_file, "Rig file, for logs (docs/rig.md)");
+  command->add_option("--name", arguments->block.name, "Label of the scan; needed for a second scan of one day");
+  command->add_option("-o,--output", arguments->output, "Folder to export to: what is missing or changed is written");
+  command->add_option("--crs", arguments->block.crs, "Make the store, in this CRS, where there is none");
+  command->add_option("--batch", arguments->list, "Update the blocks of a list (docs/commands.md)")
+      ->type_name("BLOCKS.toml");
+  add_settings_option(*command, arguments->block.settings);
+}
+
+}  // namespace rayfield::cli
