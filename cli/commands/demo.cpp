@@ -98,12 +98,12 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
                   simulate_site(site, folders.logs, {.log = true, .rays = false, .threads = context.options.threads},
                                 context.progress));
   RAYFIELD_ASSIGN(const tile::Store store, build_block(folders, site.crs_code(), scans, context));
-  RAYFIELD_ASSIGN(const auto written, export_block(store, folders.maps, {}, context.progress));
+  RAYFIELD_ASSIGN(const ExportReport exported, export_block(store, folders.maps, {}, context.progress));
 
   const std::string logs = folders.logs.string(), block = folders.block.string(), maps = folders.maps.string();
   outcome.data = {
       {"folder", folder}, {"logs", logs}, {"store", block}, {"maps", maps}, {"files", nlohmann::ordered_json::array()}};
-  for (const fs::path& path : written) outcome.data["files"].push_back(path.string());
+  for (const fs::path& path : exported.products) outcome.data["files"].push_back(path.string());
   outcome.text = fmt::format(
       "\nThe demonstration block is mapped: three drives, each from its raw log through SLAM, laid on the first.\n"
       "  logs and truth   {}\n"

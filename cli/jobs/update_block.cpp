@@ -4,6 +4,7 @@
 
 #include "cli/console/option_settings.h"
 #include "rayfield/core/map_frame.h"
+#include "rayfield/density/registry.h"
 #include "rayfield/formats/geopackage.h"
 
 namespace rayfield::cli {
@@ -31,8 +32,11 @@ Result<density::ProcessOptions> prepare(const tile::Store& store, const BlockUpd
   RAYFIELD_CHECK(apply_settings(block.settings, process));
   process.threads = options.threads, process.memory_bytes = options.memory_bytes;
   RAYFIELD_CHECK(process.validate());
-  if (block.output && !options.overwrite)
-    RAYFIELD_CHECK(formats::check_replaceable({}, {}, (*block.output / (store.block_name() + ".gpkg")).string()));
+  if (block.output && !options.overwrite) {
+    RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
+    RAYFIELD_ASSIGN(const density::BlockNames names, density::read_names(store, latest));
+    RAYFIELD_CHECK(formats::check_replaceable({}, {}, (*block.output / (names.block + ".gpkg")).string()));
+  }
   return process;
 }
 

@@ -30,10 +30,11 @@ Eigen::Vector2d direction_at(const Row& row, double chainage_m) {
   return (to - from).normalized();
 }
 
-std::vector<Upright> uprights_of(const RowLayout& layout) {
+// `surveyed`: posts count although no scan has shown them.
+std::vector<Upright> uprights_of(const RowLayout& layout, bool surveyed) {
   std::vector<Upright> uprights;
   for (const Post& post : layout.posts)
-    if (const Row* row = row_of(layout, post.row); row != nullptr && post.detected)
+    if (const Row* row = row_of(layout, post.row); row != nullptr && (post.detected || surveyed))
       uprights.push_back({post.position, direction_at(*row, post.chainage_m), post.radius_m, true});
   for (const Trunk& trunk : layout.trunks)
     if (const Row* row = row_of(layout, trunk.row); row != nullptr)
@@ -87,7 +88,7 @@ Grid2<float> ground_along(const std::vector<Eigen::Vector2d>& path, const Ground
 
 BlockLandmarks landmarks_of(const RowLayout& layout, const SurveyedScan& surveyed) {
   BlockLandmarks landmarks;
-  landmarks.uprights = uprights_of(layout);
+  landmarks.uprights = uprights_of(layout, false);
   for (const Row& row : layout.rows) landmarks.rows.push_back(resampled(row.centreline, kPathStep));
   landmarks.path = thinned_path(surveyed.surveys);
   landmarks.ground = ground_along(landmarks.path, surveyed.ground);
@@ -101,7 +102,7 @@ BlockLandmarks landmarks_of(const RowLayout& layout, const SurveyedScan& surveye
 BlockLandmarks landmarks_of(const RowLayout& survey) {
   constexpr double kLane = 1.25;  // m; half a narrow lane, so that rows beyond the outer ones are missed
   BlockLandmarks landmarks;
-  landmarks.uprights = uprights_of(survey);
+  landmarks.uprights = uprights_of(survey, true);
   landmarks.row_spacing_m = survey.spacing_m;
   landmarks.post_spacing_m = usual_post_spacing(survey);
   for (const Row& row : survey.rows) {
