@@ -90,7 +90,8 @@ std::string comparison_text(const DateComparison& c) {
   const PairedStatistics& s = c.leaf_per_m;
   if (std::isfinite(s.rrmse)) text += fmt::format("  RRMSE {:.1f} %", 100 * s.rrmse);
   if (std::isfinite(s.slope))
-    text += fmt::format(", least-squares trend {:.3f} · x {:+.3f} m²/m, r² {:.3f}", s.slope, s.intercept, s.r_squared);
+    text += fmt::format(", least-squares trend {:.3f} · x {} {:.3f} m²/m, r² {:.3f}", s.slope,
+                        s.intercept < 0 ? "−" : "+", std::abs(s.intercept), s.r_squared);
   return text + "\n";
 }
 
