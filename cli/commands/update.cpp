@@ -181,6 +181,8 @@ void add_update_command(Commands& commands) {
   command->add_option("--date", arguments->block.date, "Day of the scan, YYYY-MM-DD");
   command->add_option("--rig", arguments->block.inputs.rig_file, "Rig file, for logs (docs/rig.md)");
   command->add_option("--name", arguments->block.name, "Label of the scan; needed for a second scan of one day");
+  command->add_flag("--align,!--no-align", arguments->block.inputs.align,
+                    "Lay the scan on the block's reference by posts, trunks and ground (docs/seasons.md; the default)");
   command->add_option("-o,--output", arguments->output, "Folder to export to: what is missing or changed is written");
   command->add_option("--crs", arguments->block.crs, "Make the store, in this CRS, where there is none");
   command->add_option("--batch", arguments->list, "Update the blocks of a list (docs/commands.md)")
