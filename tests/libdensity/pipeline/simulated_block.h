@@ -126,7 +126,8 @@ class Block {
   /// Path of every derived file of a scan; it has the hash of what is in it.
   std::map<std::string, std::string> derived(const std::string& scan_id) const {
     std::map<std::string, std::string> files;
-    for (const tile::DerivedEntry& entry : snapshot().find_scan(scan_id)->derived)
+    const tile::Snapshot now = snapshot();
+    for (const tile::DerivedEntry& entry : now.find_scan(scan_id)->derived)
       files[entry.kind + "/" + entry.name] = entry.file.path;
     return files;
   }
