@@ -104,7 +104,9 @@ class Reprojection {
  public:
   static Result<Reprojection> create(const OGRSpatialReference* from, const OGRSpatialReference& to,
                                      const std::string& where) {
-    if (from == nullptr || (!from->IsProjected() && !from->IsGeographic()))
+    // GeoPackages name what they do not know: "Undefined geographic SRS", "Undefined Cartesian SRS".
+    const std::string name = from == nullptr || from->GetName() == nullptr ? "" : lower(from->GetName());
+    if ((name.empty() || name.rfind("undefined", 0) == 0) || (!from->IsProjected() && !from->IsGeographic()))
       return refused(where, "it does not say in which coordinate reference system it is",
                      "assign the layer's CRS, for example in QGIS, and save it again");
     OGRSpatialReference source(*from), target(to);
