@@ -22,8 +22,7 @@ struct LeafValues {
 /// Stored form, kind "leaf" version 1: panels are named by their numbers, and hold leaf areas and their errors only.
 tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout);
 /// Puts stored leaf areas into the results they were made from, and says whose wood was subtracted. Errors: damaged.
-Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout,
-                             ScanResults& results);
+Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layout, ScanResults& results);
 
 /// Of stored leaf areas: whose wood was subtracted.
 struct WoodSource {

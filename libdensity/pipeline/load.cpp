@@ -26,8 +26,7 @@ const tile::DerivedEntry* find_derived(const std::vector<tile::DerivedEntry>& en
 }
 
 tl::unexpected<Error> not_processed(const std::string& where) {
-  return fail(ErrorCode::usage, "no results", where, "it has not been processed",
-              "run `rayfield process` first");
+  return fail(ErrorCode::usage, "no results", where, "it has not been processed", "run `rayfield process` first");
 }
 
 ScanProduct describe(const tile::ScanEntry& scan) {
