@@ -9,6 +9,7 @@
 
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
+#include "libdensity/estimate/raster_frame.h"
 #include "tests/libdensity/voxel_worlds.h"
 
 namespace rayfield::density {
@@ -101,7 +102,8 @@ TEST(LeafArea, OfHalfMetresAddsUpToThatOfThePanels) {
   for (const LeafSum& sum : leaf_of_panels(*leaf, wood, two_panels())) panels += sum.leaf_m2;
   for (const double area : leaf_of_metres(*leaf, 2.4, 0.5)) metres += 0.5 * area;
   EXPECT_NEAR(metres, panels, 1e-9 * panels);
-  auto raster = PlanRaster::create(leaf->row_segments, {});
+  const RasterFrame frame{leaf->row_segments[0].origin - Eigen::Vector2d(64, 64), 0.1, 1280, 1280};
+  auto raster = PlanRaster::create(frame, leaf->row_segments, {});
   raster->add(*leaf);
   double map = 0;
   const std::vector<RasterProduct> products = raster->finish();
