@@ -65,10 +65,18 @@ tile::ScanAlignment record_of(const align::Alignment& alignment) {
   return record;
 }
 
+// The only scan of a store that keeps no layout yet may be replaced by anything: it takes its place as the reference.
+bool replaces_the_reference(const tile::Snapshot& snapshot, const tile::AddOptions& options) {
+  return options.overwrite && snapshot.registry.empty() && snapshot.scans.size() == 1 &&
+         snapshot.scans.front().date == options.date && snapshot.scans.front().name == options.name;
+}
+
 }  // namespace
 
 Result<ScanPlacement> place_scan(tile::Store& store, RaySource& rays, const align::AlignOptions& align_options,
                                  const tile::AddOptions& options, Progress& progress) {
+  RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  if (replaces_the_reference(snapshot, options)) return ScanPlacement{};
   density::ProcessOptions process;
   process.threads = options.threads, process.memory_bytes = options.memory_bytes;
   RAYFIELD_ASSIGN(const auto reference, density::reference_landmarks(store, process, options.command, progress));

@@ -136,9 +136,10 @@ GroundAgreement compare_ground(const LandmarkPair& pair, const PlanShift& shift)
 //  - Where the other scan looked and has no row, an upright is a ghost (kGhost), anywhere in its strip (density u).
 //  - What only one scan looked at says nothing: density u.
 // Ground: as many independent heights as patches, normal with the hypothesis's own spread.
-// Prior: the shift between two positions by GPS; a turn is normal, with a share of one in 10⁵ for any other.
+// Prior: the shift between two positions by GPS, and the turn that follows from them; beyond eight standard deviations
+// all turns are gross mistakes, and alike.
 Evidence weigh(const LandmarkPair& pair, const PlanShift& shift, const SearchOptions& options) {
-  constexpr double kSeen = 0.62, kGhost = 0.02;
+  constexpr double kSeen = 0.62, kGhost = 0.02, kGrossTurn = 8;
   constexpr double kLeastSigma = 0.008, kLargestSigma = 0.10;          // m, of a match per axis
   constexpr double kPatch = 25, kLeastGround = 0.015, kGround = 0.10;  // m², m, m
   Evidence e;
@@ -191,8 +192,8 @@ Evidence weigh(const LandmarkPair& pair, const PlanShift& shift, const SearchOpt
     e.log_ground = e.ground.area_m2 / kPatch * std::log(kGround / std::max(1.48 * e.ground.deviation_m, kLeastGround));
 
   const double turn = std::remainder(shift.yaw_rad, 2 * std::numbers::pi) / options.yaw_sigma_rad;
-  e.log_prior = -0.5 * shift.shift.head<2>().squaredNorm() / (options.gps_sigma_m * options.gps_sigma_m) +
-                std::log(std::exp(-0.5 * turn * turn) + 1e-5);
+  e.log_prior = -0.5 * shift.shift.head<2>().squaredNorm() / (options.gps_sigma_m * options.gps_sigma_m) -
+                0.5 * std::min(turn * turn, kGrossTurn * kGrossTurn);
   return e;
 }
 

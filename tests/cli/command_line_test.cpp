@@ -100,8 +100,8 @@ TEST_F(CommandLine, TheSameScanTwiceIsNothingToDoAndAnotherOneOfThatDateIsRefuse
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_EQ(nlohmann::json::parse(again.out)["already_there"], true);
   expect_refused(rayfield({"add", store(), second, "--date", "2021-05-01"}), 2, "--name");
-  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--name", "evening"}).exit_code, 0);
-  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--overwrite"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--name", "evening", "--no-align"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"add", store(), second, "--date", "2021-05-01", "--overwrite", "--no-align"}).exit_code, 0);
   EXPECT_EQ(nlohmann::json::parse(rayfield({"status", store(), "--json"}).out)["scans"].size(), 2U);
 }
 

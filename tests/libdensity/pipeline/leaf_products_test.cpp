@@ -83,7 +83,9 @@ TEST(LeafProducts, ADormantScanAddedLaterChangesLeafAreasAndNothingElse) {
     if (std::isfinite(cell)) map += static_cast<double>(cell) * raster.grid.cell_m * raster.grid.cell_m;
   EXPECT_NEAR(map, leaf_area(results), 1e-4 * map);
   for (const PanelValue& value : results.panel_values) {
-    EXPECT_GT(value.se_leaf_area_m2, value.se_plant_area_m2) << "two scans' errors";
+    // Two scans' noise, but the wood's part of what comes whole is in the plants' alone: neither is much the larger.
+    EXPECT_GT(value.se_leaf_area_m2, 0.5 * value.se_plant_area_m2);
+    EXPECT_LT(value.se_leaf_area_m2, 2 * value.se_plant_area_m2);
     EXPECT_LT(value.ci_low_m2, value.leaf_area_m2);
     EXPECT_GT(value.ci_high_m2, value.leaf_area_m2);
   }

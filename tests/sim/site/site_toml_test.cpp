@@ -23,7 +23,8 @@ Error error_of(const std::string& text) {
 
 TEST(SiteFile, EveryExampleSiteIsValidAndThereAreAtLeastSeven) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(RAYFIELD_SIM_SITES)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(RAYFIELD_SIM_SITES)) {
+    if (!entry.is_regular_file()) continue;
     const auto site = read_site(entry.path());
     EXPECT_TRUE(site) << site.error().line();
     ++count;
