@@ -95,7 +95,14 @@ TEST_F(Update, DoesWhatItsStepsDoAndOnASecondDateOnlyWhatIsNew) {
   for (const char* date : {kEarly, kLate}) run({"add", other, cloud(date), "--date", date, "-q", "--json"});
   run({"process", other, "-q", "--json"});
   run({"export", other, "-o", other_maps, "-q", "--json"});
-  EXPECT_EQ(content_of(store), content_of(other)) << "the steps one by one give the same store";
+  // The layout of the first date alone is another in the two histories: update has processed it, add only found it.
+  const auto without_history = [](std::map<std::string, std::string> files) {
+    std::erase_if(files, [](const auto& file) { return file.first.starts_with("registry/rows/"); });
+    return files;
+  };
+  EXPECT_EQ(without_history(content_of(store)), without_history(content_of(other)))
+      << "the steps one by one give the same store";
+  EXPECT_EQ(run({"registry", store, "--json"})["rows"], run({"registry", other, "--json"})["rows"]);
 }
 
 TEST_F(Update, WithNothingNewTakesLessThanTwoSecondsAndWritesNothing) {
@@ -144,15 +151,16 @@ TEST_F(Update, OfALogKeepsItsReportAndTrajectoryWithTheScan) {
                            "EPSG:32632", "-q", "--json"});
   EXPECT_GT(report["panels"], 0);
   const json files = run({"status", store, "--json"})["scans"][0]["files"];
-  ASSERT_EQ(files.size(), 2U);
-  EXPECT_EQ(files[0]["name"], "slam.json");
-  EXPECT_EQ(files[1]["name"], "trajectory.tum.bz2");
-  const json slam = json::parse(read_file(store + "/" + files[0]["path"].get<std::string>()));
+  ASSERT_EQ(files.size(), 3U);
+  EXPECT_EQ(files[0]["name"], "alignment.json");
+  EXPECT_EQ(files[1]["name"], "slam.json");
+  EXPECT_EQ(files[2]["name"], "trajectory.tum.bz2");
+  const json slam = json::parse(read_file(store + "/" + files[1]["path"].get<std::string>()));
   EXPECT_EQ(slam["georeferenced"], true);
   // The kept trajectory is one that slam takes: the cloud along it is that of the scan.
   const json followed =
       run({"slam", late("scan.bag"), "--rig", late("rig.toml"), "--crs", "EPSG:32632", "--use-trajectory",
-           store + "/" + files[1]["path"].get<std::string>(), "-o", work.path("cloud.ply"), "-q", "--json"});
+           store + "/" + files[2]["path"].get<std::string>(), "-o", work.path("cloud.ply"), "-q", "--json"});
   EXPECT_GT(followed["rays"], 0);
   const auto before = content_of(store);
   EXPECT_EQ(run({"update", store, late("scan.bag"), "--rig", late("rig.toml"), "--date", kLate, "-q",
