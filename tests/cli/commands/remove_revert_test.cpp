@@ -23,7 +23,7 @@ class RemoveRevert : public testing::Test {
   void add(std::size_t rays, const std::string& date, const std::string& name) {
     const std::string path = folder_.path(std::to_string(rays) + ".ply");
     write_file(path, lane_cloud(rays));
-    std::vector<std::string> arguments{"add", store(), path, "--date", date, "-q"};
+    std::vector<std::string> arguments{"add", store(), path, "--date", date, "--no-align", "-q"};
     if (!name.empty()) arguments.insert(arguments.end(), {"--name", name});
     ASSERT_EQ(rayfield(arguments).exit_code, 0);
   }
@@ -88,11 +88,11 @@ TEST_F(RemoveRevert, ASnapshotWhoseFilesAreGoneIsRefusedWithTheirNames) {
 // What a farmer types in the field: another day than that of the rays, which are of 2020-09-13 (1.6e9 s).
 TEST_F(RemoveRevert, ADateThatIsNotThatOfTheRaysIsWarnedOfInOneLineAndKept) {
   const std::string path = folder_.path("50.ply");
-  const Outcome run = rayfield({"add", store(), path, "--date", "2020-09-16"});
+  const Outcome run = rayfield({"add", store(), path, "--date", "2020-09-16", "--no-align"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("warning: measured on 2020-09-13 by its own clock"));
   EXPECT_THAT(rayfield({"status", store()}).out, HasSubstr("not on 2020-09-16: check --date"));
-  const Outcome right = rayfield({"add", store(), path, "--date", "2020-09-13", "--name", "right"});
+  const Outcome right = rayfield({"add", store(), path, "--date", "2020-09-13", "--name", "right", "--no-align"});
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_THAT(right.err, testing::Not(HasSubstr("clock")));
 }
