@@ -7,7 +7,7 @@
 
 namespace rayfield::cli {
 
-/// How a scan lies on its block, in one line and as JSON (docs/cli.md).
+/// How a scan lies on its block, in one line and as JSON (docs/commands.md).
 std::string alignment_text(const tile::ScanAlignment& alignment);
 nlohmann::ordered_json alignment_json(const tile::ScanAlignment& alignment);
 

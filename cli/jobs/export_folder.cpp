@@ -99,7 +99,8 @@ Result<void> ExportFolder::publish(std::uint64_t snapshot, const std::string& co
   ordered_json list = ordered_json::array();
   for (const auto& [name, entry] : listed_) {
     std::error_code error;
-    const bool written = std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });
+    const bool written = std::any_of(files.begin(), files.end(),
+                                     [&file_name = name](const auto& file) { return file.name == file_name; });
     if (!written && !fs::exists(folder_ / name, error)) continue;
     const std::string raster = fs::path(name).replace_extension(".tif").string();
     list.push_back({{"name", name},

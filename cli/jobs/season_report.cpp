@@ -41,7 +41,7 @@ Result<void> write_curves(const BlockProducts& block, const std::vector<SeasonVa
 }
 
 std::string stack_label(const std::vector<SeasonValue>& values, int row, const ScanProduct& scan) {
-  const std::string date = scan.name.empty() ? scan.scan_date : scan.scan_date + ", " + scan.name;
+  std::string date = scan.name.empty() ? scan.scan_date : scan.scan_date + ", " + scan.name;
   for (const SeasonValue& v : values)
     if (v.row_number == row && v.scan_id == scan.scan_id && std::isfinite(v.leaf_area_per_m))
       return fmt::format("{}   leaf area {:.2f} m²/m", date, v.leaf_area_per_m);
