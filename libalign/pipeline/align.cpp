@@ -46,8 +46,8 @@ class AlignedSource : public RaySource {
   Alignment alignment_;
 };
 
-tl::unexpected<Error> refuse(const std::string& name, std::string why) {
-  return fail(ErrorCode::bad_input, kCannot, name, std::move(why),
+tl::unexpected<Error> refuse(const std::string& name, const std::string& why) {
+  return fail(ErrorCode::bad_input, kCannot, name, why,
               "check that it shows this block; --no-align adds it where its GPS puts it");
 }
 
