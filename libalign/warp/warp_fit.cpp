@@ -88,7 +88,7 @@ void add_pull(ceres::Problem& problem, Warp& warp, const Pull& pull, double cauc
 
 void add_prior(ceres::Problem& problem, Warp& warp, double bend_sigma_m) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3);
-  const auto add = [&](std::vector<double> weights, std::vector<double*> blocks, double sigma) {
+  const auto add = [&](std::vector<double> weights, const std::vector<double*>& blocks, double sigma) {
     problem.AddResidualBlock(new LinearResidual(std::move(weights), zero, 0, sigma), nullptr, blocks);
   };
   for (int iy = 0; iy < warp.ny; ++iy)
