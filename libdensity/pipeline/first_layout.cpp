@@ -22,23 +22,6 @@ namespace {
 constexpr double kSamePost = 0.15;  // m between a surveyed post and where the scan shows it
 constexpr double kBeyondEnd = 0.5;  // m; a post further from a surveyed row's end is none of its posts
 
-Result<std::vector<Stem>> stems_along(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& rows) {
-  std::vector<Stem> stems;
-  work.progress.stage(fmt::format("{}: posts", work.scan.scan_id), work.scan.ray_count, "rays");
-  for (const tile::TileEntry& entry : work.scan.tiles) {
-    RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-    RAYFIELD_ASSIGN(
-        const StemAccumulator sum,
-        accumulate_tile(reader, StemAccumulator(work.tile_of(entry), rows, surveyed.ground, work.options.posts),
-                        work.threads, work.progress));
-    const std::vector<Stem> here = sum.finish();
-    stems.insert(stems.end(), here.begin(), here.end());
-    work.progress.advance(entry.start_count);
-  }
-  return stems;
-}
-
 // Which sides of the rows were driven along; a survey of another place shows in no row having been.
 Result<void> mark_sides(ScanWork& work, const SurveyedScan& surveyed, RowLayout& layout) {
   std::vector<const TileSurvey*> surveys;
@@ -151,7 +134,8 @@ Result<FoundLayout> complete_survey(ScanWork& work, const SurveyedScan& surveyed
   RowLayout& layout = found.layout;
   layout = survey;
   RAYFIELD_CHECK(mark_sides(work, surveyed, layout));
-  RAYFIELD_ASSIGN(const std::vector<Stem> stems, stems_along(work, surveyed, layout));
+  work.progress.stage(fmt::format("{}: posts", work.scan.scan_id), work.scan.ray_count, "rays");
+  RAYFIELD_ASSIGN(const std::vector<Stem> stems, stems_along(work, surveyed.ground, layout));
   std::set<int> without_posts;
   for (const Row& row : layout.rows) without_posts.insert(row.number);
   for (const Post& post : layout.posts) without_posts.erase(post.row);

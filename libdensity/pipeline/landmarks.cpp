@@ -121,9 +121,13 @@ BlockLandmarks landmarks_of(const RowLayout& survey) {
   return landmarks;
 }
 
+// The reference itself, or where it was removed a scan that was laid on it: all but those left where their GPS put
+// them.
 const tile::ScanEntry& reference_scan(const tile::Snapshot& snapshot) {
-  for (const tile::ScanEntry& scan : snapshot.scans)
-    if (scan.alignment && scan.alignment->verdict == tile::AlignmentVerdict::reference) return scan;
+  using tile::AlignmentVerdict;
+  for (const AlignmentVerdict wanted : {AlignmentVerdict::reference, AlignmentVerdict::aligned})
+    for (const tile::ScanEntry& scan : snapshot.scans)
+      if (scan.alignment && scan.alignment->verdict == wanted) return scan;
   return snapshot.scans.front();
 }
 

@@ -64,17 +64,8 @@ RowLayout unknown_rows(const RowLayout& found, const RowLayout& known) {
 
 // Posts, trunks and panels of new rows; those with too few stems are left out: a strip of weeds has canopy, too.
 Result<RowLayout> with_posts(ScanWork& work, const SurveyedScan& surveyed, RowLayout rows) {
-  std::vector<Stem> stems;
-  for (const tile::TileEntry& entry : work.scan.tiles) {
-    RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-    RAYFIELD_ASSIGN(
-        const StemAccumulator sum,
-        accumulate_tile(reader, StemAccumulator(work.tile_of(entry), rows, surveyed.ground, work.options.posts),
-                        work.threads, work.progress));
-    const std::vector<Stem> here = sum.finish();
-    stems.insert(stems.end(), here.begin(), here.end());
-  }
+  work.progress.stage(fmt::format("{}: posts of new rows", work.scan.scan_id), work.scan.ray_count, "rays");
+  RAYFIELD_ASSIGN(std::vector<Stem> stems, stems_along(work, surveyed.ground, rows));
   RowLayout kept;
   for (const Row& row : rows.rows) {
     if (stems_of_row(row, stems).size() < static_cast<std::size_t>(work.options.registry.min_row_stems)) continue;

@@ -91,6 +91,21 @@ Result<SurveyedScan> survey_scan(ScanWork& work) {
   return result;
 }
 
+Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground, const RowLayout& rows) {
+  std::vector<Stem> stems;
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+    RAYFIELD_ASSIGN(const StemAccumulator sum,
+                    accumulate_tile(reader, StemAccumulator(work.tile_of(entry), rows, ground, work.options.posts),
+                                    work.threads, work.progress));
+    const std::vector<Stem> here = sum.finish();
+    stems.insert(stems.end(), here.begin(), here.end());
+    work.progress.advance(entry.start_count);
+  }
+  return stems;
+}
+
 Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   FoundLayout found;
   CanopyMap canopy(work.tile_size_m());
@@ -120,18 +135,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   }
 
   work.progress.stage(fmt::format("{}: posts", work.scan.scan_id), work.scan.ray_count, "rays");
-  std::vector<Stem> stems;
-  for (const tile::TileEntry& entry : work.scan.tiles) {
-    RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-    RAYFIELD_ASSIGN(
-        const StemAccumulator sum,
-        accumulate_tile(reader, StemAccumulator(work.tile_of(entry), found.layout, surveyed.ground, work.options.posts),
-                        work.threads, work.progress));
-    const std::vector<Stem> here = sum.finish();
-    stems.insert(stems.end(), here.begin(), here.end());
-    work.progress.advance(entry.start_count);
-  }
+  RAYFIELD_ASSIGN(const std::vector<Stem> stems, stems_along(work, surveyed.ground, found.layout));
   RAYFIELD_ASSIGN(const PostReport posts, place_posts(found.layout, stems, work.options.posts));
   found.notes.insert(found.notes.end(), posts.warnings.begin(), posts.warnings.end());
   return found;

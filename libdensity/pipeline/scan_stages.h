@@ -6,6 +6,7 @@
 
 #include "libdensity/ground/ground_model.h"
 #include "libdensity/ground/survey.h"
+#include "libdensity/layout/posts.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/pipeline/scan_work.h"
 #include "libdensity/voxels/row_segments.h"
@@ -18,6 +19,9 @@ struct SurveyedScan {
   GroundModel ground;
 };
 Result<SurveyedScan> survey_scan(ScanWork& work);
+
+/// The upright things that the scan shows along these rows.
+Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground, const RowLayout& rows);
 
 /// Rows, posts and panels from one scan: the block's layout, when there is none yet.
 struct FoundLayout {
