@@ -7,8 +7,8 @@
 #include "cli/console/alignment_text.h"
 #include "cli/console/option_settings.h"
 #include "cli/console/text.h"
-#include "cli/jobs/add_scan.h"
-#include "cli/jobs/drive_log.h"
+#include "cli/drives/drive_log.h"
+#include "cli/scans/add_scan.h"
 #include "rayfield/core/date.h"
 #include "rayfield/formats/formats.h"
 

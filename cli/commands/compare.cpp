@@ -5,8 +5,8 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/option_settings.h"
-#include "cli/jobs/compare_scans.h"
-#include "cli/jobs/season_report.h"
+#include "cli/products/compare_scans.h"
+#include "cli/products/season_report.h"
 #include "rayfield/tile/tile.h"
 
 namespace rayfield::cli {

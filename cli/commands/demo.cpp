@@ -5,10 +5,10 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/text.h"
-#include "cli/jobs/add_scan.h"
-#include "cli/jobs/export_block.h"
-#include "cli/jobs/simulation.h"
-#include "cli/jobs/truth_comparison.h"
+#include "cli/products/export_block.h"
+#include "cli/scans/add_scan.h"
+#include "cli/simulation/simulation.h"
+#include "cli/simulation/truth_comparison.h"
 #include "demo_site.h"
 #include "rayfield/density/density.h"
 

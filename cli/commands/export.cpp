@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "cli/commands/commands.h"
-#include "cli/jobs/export_block.h"
+#include "cli/products/export_block.h"
 
 namespace rayfield::cli {
 namespace {

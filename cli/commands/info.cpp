@@ -7,7 +7,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/text.h"
-#include "cli/jobs/drive_log.h"
+#include "cli/drives/drive_log.h"
 #include "rayfield/core/date.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "cli/blocks/reference.h"
 #include "cli/commands/commands.h"
 #include "cli/console/output_paths.h"
-#include "cli/jobs/reference.h"
 #include "rayfield/density/registry.h"
 #include "rayfield/formats/registry_file.h"
 

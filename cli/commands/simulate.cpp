@@ -6,7 +6,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/text.h"
-#include "cli/jobs/simulation.h"
+#include "cli/simulation/simulation.h"
 
 namespace rayfield::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include "cli/console/option_settings.h"
 #include "cli/console/output_paths.h"
 #include "cli/console/text.h"
-#include "cli/jobs/drive_log.h"
-#include "cli/jobs/drive_picture.h"
+#include "cli/drives/drive_log.h"
+#include "cli/drives/drive_picture.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
 

@@ -4,11 +4,11 @@
 #include <memory>
 #include <optional>
 
+#include "cli/blocks/block_list.h"
+#include "cli/blocks/update_block.h"
 #include "cli/commands/commands.h"
 #include "cli/console/option_settings.h"
 #include "cli/console/text.h"
-#include "cli/jobs/block_list.h"
-#include "cli/jobs/update_block.h"
 #include "rayfield/core/date.h"
 #include "rayfield/core/text_file.h"
 

@@ -6,14 +6,14 @@
 #include <map>
 #include <memory>
 
-#include "libdensity/pipeline/block_registry.h"
-#include "libdensity/pipeline/block_seasons.h"
-#include "libdensity/pipeline/leaf_products.h"
+#include "libdensity/leaf/block_seasons.h"
+#include "libdensity/leaf/leaf_products.h"
+#include "libdensity/leaf/scan_totals.h"
+#include "libdensity/learning/block_registry.h"
 #include "libdensity/pipeline/scan_products.h"
-#include "libdensity/pipeline/scan_stages.h"
-#include "libdensity/pipeline/scan_totals.h"
-#include "libdensity/pipeline/scan_voxel_size.h"
-#include "libdensity/pipeline/scan_voxels.h"
+#include "libdensity/scan/scan_stages.h"
+#include "libdensity/scan/scan_voxel_size.h"
+#include "libdensity/scan/scan_voxels.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/load.h"
 

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "libdensity/pipeline/scan_stages.h"
+#include "libdensity/scan/scan_stages.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/products.h"

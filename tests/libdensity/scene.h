@@ -8,11 +8,11 @@
 
 #include "libdensity/ground/ground.h"
 #include "libdensity/ground/survey.h"
-#include "libdensity/layout/canopy_map.h"
-#include "libdensity/layout/posts.h"
 #include "libdensity/layout/row_order.h"
-#include "libdensity/layout/rows.h"
-#include "libdensity/layout/stem_accumulator.h"
+#include "libdensity/posts/posts.h"
+#include "libdensity/posts/stem_accumulator.h"
+#include "libdensity/rows/canopy_map.h"
+#include "libdensity/rows/rows.h"
 #include "libdensity/voxels/canopy_profile.h"
 #include "libdensity/voxels/row_segments.h"
 

@@ -1,0 +1,211 @@
+#include "cli/products/export_block.h"
+
+#include <fmt/core.h>
+
+#include <optional>
+#include <span>
+
+#include "cli/products/export_folder.h"
+#include "rayfield/core/sha256.h"
+#include "rayfield/density/load.h"
+#include "rayfield/formats/formats.h"
+#include "version.h"
+
+namespace rayfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Everything that a product depends on, as one digest.
+class Source {
+ public:
+  explicit Source(std::string_view product) { add(kVersion).add(product); }
+  Source& add(std::string_view text) {
+    hash_.update(std::as_bytes(std::span(text)));
+    hash_.update(std::string_view("\0", 1));
+    return *this;
+  }
+  Source& add(double number) { return add(fmt::format("{}", number)); }
+  std::string hex() { return hash_.hex(); }
+
+ private:
+  Sha256 hash_;
+};
+
+// The scan's derived file of that kind and name, by its content.
+std::string derived_sha256(const tile::ScanEntry& scan, std::string_view kind, std::string_view name) {
+  for (const tile::DerivedEntry& entry : scan.derived)
+    if (entry.kind == kind && entry.name == name) return entry.file.sha256;
+  return {};
+}
+
+// The block's layout, on whose frame all rasters lie.
+std::string layout_source(const tile::Snapshot& snapshot) {
+  Source source("layout");
+  for (const tile::DerivedEntry& entry : snapshot.registry) source.add(entry.file.sha256);
+  return source.hex();
+}
+
+// What is marked in the side views.
+std::string posts_source(const BlockProducts& block) {
+  Source source("posts");
+  for (const PostProduct& post : block.posts) source.add(post.row_number).add(post.chainage_m);
+  return source.hex();
+}
+
+// What lies over the plan views.
+std::string overlay_source(const BlockProducts& block) {
+  Source source("overlay");
+  for (const RowProduct& row : block.rows) {
+    source.add(row.row_number);
+    for (const Eigen::Vector2d& p : row.centreline) source.add(p.x()).add(p.y());
+  }
+  for (const PanelProduct& panel : block.panels)
+    for (const Eigen::Vector2d& p : panel.outline) source.add(p.x()).add(p.y());
+  for (const PostProduct& post : block.posts)
+    source.add(post.position.x()).add(post.position.y()).add(post.chainage_m).add(post.detected ? 1 : 0);
+  return source.hex();
+}
+
+// The whole export: equal ones are of one snapshot, and of the same scans in the same formats.
+std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::string>& scan_ids,
+                       const std::set<std::string>& formats) {
+  Source source("export");
+  source.add(std::to_string(snapshot.number)).add(layout_source(snapshot));
+  for (const std::string& format : formats) source.add(format);
+  for (const std::string& id : scan_ids) {
+    source.add(id);
+    for (const tile::DerivedEntry& entry : snapshot.find_scan(id)->derived)
+      if (entry.kind == "results" || entry.kind == "leaf" || entry.kind == "raster") source.add(entry.file.sha256);
+  }
+  return source.hex();
+}
+
+// The rasters of one scan, and the picture of its density map.
+Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                            const BlockProducts& block, const std::string& layout, const std::string& overlay,
+                            const ExportOptions& options, ExportFolder& folder) {
+  for (const std::string& name : density::raster_names(scan)) {
+    const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
+    const std::string values = derived_sha256(scan, "raster", name);
+    const bool tiff = options.formats.count("geotiff") > 0 &&
+                      folder.wants(stem + ".tif", Source("geotiff").add(block.crs).add(layout).add(values).hex());
+    const bool png =
+        options.formats.count("png") > 0 && name == "plan_density" &&
+        folder.wants(stem + ".png",
+                     Source("png").add(scan.name).add(scan.date).add(layout).add(overlay).add(values).hex());
+    if (!tiff && !png) continue;
+    RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
+    if (tiff) {
+      formats::GeoTiffOptions write;
+      write.metadata = {{"scan_id", scan.scan_id},
+                        {"scan_date", scan.date},
+                        {"snapshot", std::to_string(block.snapshot)},
+                        {"source_sha256", values}};
+      RAYFIELD_CHECK(formats::write_cog(raster, block.crs, folder.path(stem + ".tif"), write));
+    }
+    if (png) {
+      formats::PictureOptions picture;
+      picture.title = block.block;
+      picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
+      RAYFIELD_CHECK(
+          formats::write_plan_picture(raster, formats::block_overlay(block), folder.path(stem + ".png"), picture));
+    }
+  }
+  return {};
+}
+
+// Side views of all rows on one sheet, end-on sections on another.
+Result<void> export_sections(const ScanResults& results, const BlockProducts& block, const std::string& source,
+                             ExportFolder& folder) {
+  for (const auto& [kind, title] : {std::pair{"side_view", "side views"}, std::pair{"end_on", "end-on sections"}}) {
+    std::vector<formats::LabelledSection> sheet;
+    for (const SectionProduct& section : results.sections) {
+      if (section.name.rfind(kind, 0) != 0) continue;
+      formats::LabelledSection labelled{&section, fmt::format("row {}", section.row_number), {}};
+      if (std::string_view(kind) == "side_view") {
+        for (const PostProduct& post : block.posts)
+          if (post.row_number == section.row_number) labelled.marks_m.push_back(post.chainage_m);
+      }
+      sheet.push_back(std::move(labelled));
+    }
+    const std::string name = fmt::format("{}_{}_{}.png", block.block, results.scan.scan_id, kind);
+    if (sheet.empty() || !folder.wants(name, source)) continue;
+    formats::PictureOptions picture;
+    picture.title = fmt::format("{}, {}", block.block, title);
+    picture.subtitle = results.scan.scan_date;
+    RAYFIELD_CHECK(formats::write_section_picture(sheet, folder.path(name), picture));
+  }
+  return {};
+}
+
+// Products of all dates in one file, and of single dates.
+Result<void> export_tables(const BlockProducts& block, const std::string& content,
+                           const std::optional<std::string>& carry_over_from, const ExportOptions& options,
+                           ExportFolder& folder) {
+  const auto wants = [&](const char* format, const std::string& name) {
+    return options.formats.count(format) > 0 && folder.wants(name, content);
+  };
+  if (const std::string name = block.block + ".gpkg"; wants("gpkg", name)) {
+    RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name)));
+    if (carry_over_from) RAYFIELD_CHECK(formats::carry_over(*carry_over_from, folder.path(name)));
+  }
+  if (const std::string name = block.block + "_panels.csv"; wants("csv", name))
+    RAYFIELD_CHECK(formats::write_panels_csv(block, folder.path(name)));
+  if (const std::string name = block.block + "_row_metres.csv"; wants("csv", name))
+    RAYFIELD_CHECK(formats::write_row_metres_csv(block, folder.path(name)));
+  for (std::size_t i = 0; i < block.scans.size(); ++i)
+    if (const std::string name = fmt::format("{}_{}_panels.geojson", block.block, block.scans[i].scan.scan_id);
+        wants("geojson", name))
+      RAYFIELD_CHECK(formats::write_panels_geojson(block, i, folder.path(name)));
+  return {};
+}
+
+// Whether the GeoPackage that is there may be replaced, and if it holds something that users added: its path.
+Result<std::optional<std::string>> additions_to_keep(const tile::Store& store, const BlockProducts& block,
+                                                     const fs::path& folder, const ExportOptions& options) {
+  const std::string path = (folder / (block.block + ".gpkg")).string();
+  if (options.formats.count("gpkg") == 0) return std::nullopt;
+  RAYFIELD_CHECK(formats::check_not_in_use(path));
+  if (options.overwrite) return std::nullopt;
+  RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
+  std::vector<std::string> scans_of_store;
+  for (const tile::ScanEntry& scan : latest.scans) scans_of_store.push_back(scan.scan_id);
+  RAYFIELD_CHECK(formats::check_replaceable(block, scans_of_store, path));
+  RAYFIELD_ASSIGN(const auto existing, formats::inspect_geopackage(path));
+  if (existing && existing->has_additions) return path;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<ExportReport> export_block(const tile::Store& store, const fs::path& folder, const ExportOptions& options,
+                                  Progress& progress) {
+  auto pinned = options.snapshot ? store.snapshot(*options.snapshot) : store.latest();
+  if (!pinned) return tl::make_unexpected(std::move(pinned).error());
+  const tile::Snapshot& snapshot = *pinned;
+  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(snapshot, options.dates));
+  const std::string content = content_of(snapshot, scan_ids, options.formats);
+  RAYFIELD_ASSIGN(ExportFolder output, ExportFolder::open(folder, store.block_name(), options.keep_unchanged));
+  if (output.holds(content)) return ExportReport{snapshot.number, output.products(), 0};
+  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, scan_ids));
+  RAYFIELD_ASSIGN(const auto carry_over_from, additions_to_keep(store, block, folder, options));
+
+  progress.stage("export", scan_ids.size() + 1, "steps");
+  RAYFIELD_CHECK(export_tables(block, content, carry_over_from, options, output));
+  progress.advance(1);
+  const std::string layout = layout_source(snapshot), overlay = overlay_source(block), posts = posts_source(block);
+  for (const ScanResults& results : block.scans) {
+    if (progress.cancelled())
+      return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
+    const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
+    RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, layout, overlay, options, output));
+    const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
+    if (options.formats.count("png") > 0) RAYFIELD_CHECK(export_sections(results, block, sections, output));
+    progress.advance(1);
+  }
+  RAYFIELD_CHECK(output.publish(snapshot.number, content));
+  return ExportReport{snapshot.number, output.products(), output.written_count()};
+}
+
+}  // namespace rayfield::cli

@@ -1,0 +1,167 @@
+#include "cli/scans/add_scan.h"
+
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "cli/drives/drive_files.h"
+#include "cli/drives/drive_log.h"
+#include "cli/scans/align_scan.h"
+#include "cli/scans/scan_date.h"
+#include "rayfield/core/file.h"
+#include "rayfield/core/parallel.h"
+#include "rayfield/density/missing_rays.h"
+#include "rayfield/formats/formats.h"
+
+namespace rayfield::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Several streams one after the other.
+class JoinedSource : public RaySource {
+ public:
+  JoinedSource(std::vector<std::unique_ptr<RaySource>> parts, std::vector<std::string> warnings)
+      : parts_(std::move(parts)), warnings_(std::move(warnings)) {}
+
+  Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) override {
+    for (; current_ < parts_.size(); ++current_) {
+      RAYFIELD_ASSIGN(const std::size_t count, parts_[current_]->read(batch, max_rays));
+      if (count > 0) return count;
+    }
+    batch.clear();
+    return std::size_t{0};
+  }
+
+  Result<bool> rewind() override {
+    for (const auto& part : parts_) {
+      RAYFIELD_ASSIGN(const bool rewound, part->rewind());
+      if (!rewound) return false;
+    }
+    current_ = 0;
+    return true;
+  }
+
+  std::optional<std::uint64_t> ray_count() const override {
+    std::uint64_t total = 0;
+    for (const auto& part : parts_) {
+      const auto count = part->ray_count();
+      if (!count) return std::nullopt;
+      total += *count;
+    }
+    return total;
+  }
+
+  std::string name() const override {
+    return parts_.size() == 1 ? parts_[0]->name() : fmt::format("{} and {} more", parts_[0]->name(), parts_.size() - 1);
+  }
+
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all = warnings_;
+    for (const auto& part : parts_)
+      for (const std::string& warning : part->warnings()) all.push_back(warning);
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<RaySource>> parts_;
+  std::vector<std::string> warnings_;  // of the logs behind them
+  std::size_t current_ = 0;
+};
+
+// Size and SHA-256 of a file.
+Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& progress) {
+  RAYFIELD_ASSIGN(FileDigest digest,
+                  digest_file(path.string(), "cannot read input", [&progress] { return progress.cancelled(); }));
+  return tile::InputEntry{path.filename().string(), digest.size, std::move(digest.sha256)};
+}
+
+Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
+                                              const fs::path& scratch, int threads, Progress& progress,
+                                              std::vector<std::string>& warnings,
+                                              std::vector<tile::NewAttachment>& attachments) {
+  if (is_log(path)) {
+    RAYFIELD_CHECK(require_rig(path, inputs));
+    slam::SlamOptions options;
+    options.threads = threads;
+    options.scratch = scratch.string();
+    RAYFIELD_ASSIGN(RegisteredDrive drive,
+                    register_drive(path.string(), inputs.rig_file, crs, true, options, progress));
+    for (const std::string& warning : drive.report.warnings) progress.warn(warning);
+    for (const std::string& warning : all_warnings(drive))
+      warnings.push_back(path.filename().string() + ": " + warning);
+    RAYFIELD_CHECK(keep_drive_files(drive, attachments));
+    return std::move(drive.rays);
+  }
+  RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
+  if (reader->crs() && *reader->crs() == kLocalFrame)
+    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
+                fmt::format("it is in a local frame, the store in {}", crs),
+                "register its log with GPS and --crs " + crs);
+  if (reader->crs() && *reader->crs() != crs)
+    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
+                fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
+                "transform it, or make a store in its CRS");
+  return std::unique_ptr<RaySource>(std::move(reader));
+}
+
+// The rig decides what a log's rays are, so it is an input too.
+Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress) {
+  std::vector<fs::path> files = inputs.files;
+  if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
+  std::vector<tile::InputEntry> entries(files.size());
+  RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
+    RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
+    return {};
+  }));
+  return entries;
+}
+
+// A scan that shall not be aligned is the reference all the same where it is the first.
+Result<ScanPlacement> place(tile::Store& store, RaySource& rays, const ScanInputs& inputs,
+                            const tile::AddOptions& options, Progress& progress) {
+  if (inputs.align) return place_scan(store, rays, inputs.align_options, options, progress);
+  RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  ScanPlacement placement;
+  if (!snapshot.scans.empty()) placement.record.verdict = tile::AlignmentVerdict::unaligned;
+  return placement;
+}
+
+}  // namespace
+
+Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
+  if (!inputs.rig_file.empty()) return {};
+  return fail(ErrorCode::usage, "cannot add log", log.string(), "a log needs a rig file",
+              "give --rig RIG.toml; `rayfield info` proposes one");
+}
+
+Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {
+  RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads, progress));
+  RAYFIELD_ASSIGN(auto there, store.find_added(options));
+  if (there) {
+    if (options.dormant) RAYFIELD_CHECK(store.set_dormant(there->scan_id, options.dormant, options.command));
+    return AddedScan{std::move(*there), {}, {}};
+  }
+  std::vector<std::unique_ptr<RaySource>> parts;
+  std::vector<std::string> warnings;
+  for (const fs::path& path : inputs.files) {
+    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
+                                          warnings, options.attachments));
+    parts.push_back(std::move(part));
+  }
+  JoinedSource rays(std::move(parts), warnings);
+  RAYFIELD_ASSIGN(const auto restored, density::MissingRaySource::create(rays, {}));
+  RaySource& source = inputs.restore_missing ? static_cast<RaySource&>(*restored) : rays;
+  RAYFIELD_ASSIGN(const ScanPlacement placement, place(store, source, inputs, options, progress));
+  options.alignment = placement.record;
+  options.attachments.push_back({"alignment.json", alignment_file(placement)});
+  DatedSource dated(source, options.date, store.config().crs);
+  const auto aligned = placement.alignment ? align::open_aligned(dated, *placement.alignment) : nullptr;
+  Result<tile::AddReport> report = store.add(aligned ? *aligned : static_cast<RaySource&>(dated), options, progress);
+  if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};
+  if (report.error().code == ErrorCode::bad_input)
+    for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
+  return tl::make_unexpected(std::move(report).error());
+}
+
+}  // namespace rayfield::cli

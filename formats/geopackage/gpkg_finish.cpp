@@ -1,0 +1,112 @@
+#include "formats/geopackage/gpkg_finish.h"
+
+#include <fmt/format.h>
+#include <ogrsf_frmts.h>
+
+#include <array>
+
+#include "formats/geopackage/gpkg_describe.h"
+#include "formats/geopackage/gpkg_own.h"
+#include "formats/gis/qml.h"
+#include "formats/io/text_escape.h"
+
+namespace rayfield::formats::gpkg {
+namespace {
+
+/// The description of every column.
+Result<void> describe_columns(const OpenGeoPackage& package, const BlockProducts& block) {
+  const std::array<Table, 9> tables = {
+      vine_row_table(),  panel_table(),           post_table(),         scan_table(), panel_value_table(),
+      row_metre_table(), panel_wide_table(block), panel_by_date_view(), block_table()};
+  return describe_tables(package, tables);
+}
+
+/// GDAL and QGIS take a view for a layer once it has a unique integer first column named OGC_FID and is registered.
+Result<void> create_view(const OpenGeoPackage& package, const std::string& time) {
+  const Table view = panel_by_date_view();
+  const Table panel = panel_table();
+  std::string columns;
+  for (const Column& column : view.columns) {
+    bool of_panel = false;
+    for (const Column& own : panel.columns) of_panel = of_panel || own.name == column.name;
+    columns += fmt::format(", {}.{} AS {}", of_panel ? "p" : "v", column.name, column.name);
+  }
+  RAYFIELD_CHECK(execute(package, fmt::format("CREATE VIEW panel_by_date AS SELECT v.fid AS OGC_FID, p.geom AS geom{} "
+                                              "FROM panel_value AS v JOIN panel AS p ON p.panel_uid = v.panel_uid",
+                                              columns)));
+  RAYFIELD_CHECK(execute(
+      package, fmt::format("INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, "
+                           "min_x, min_y, max_x, max_y, srs_id) SELECT {0}, 'features', {0}, {1}, {2}, "
+                           "min_x, min_y, max_x, max_y, srs_id FROM gpkg_contents WHERE table_name = 'panel'",
+                           sql_literal(view.name), sql_literal(view.description), sql_literal(time))));
+  return execute(package,
+                 "INSERT INTO gpkg_geometry_columns (table_name, column_name, geometry_type_name, srs_id, z, m) "
+                 "SELECT 'panel_by_date', 'geom', 'POLYGON', srs_id, 0, 0 FROM gpkg_geometry_columns "
+                 "WHERE table_name = 'panel'");
+}
+
+std::vector<Style> styles(const BlockProducts& block) {
+  constexpr Rgba row_green{60, 110, 60, 255}, panel_grey{90, 90, 90, 255}, post_brown{120, 80, 50, 255};
+  const ColorScale scale = product_scale("leaf_area_per_m", 0, 0);
+  const std::string label = "leaf area per metre of row, m²/m";
+  std::vector<Style> all = {
+      {"vine_row", "rows", qml::line_style(row_green, 0.4, "\"row_number\"")},
+      {"panel", "outlines", qml::outline_style(panel_grey, "concat(\"row_number\", '/', \"panel_number\")")},
+      {"post", "posts", qml::point_style(post_brown, 1.2)},
+      {"row_metre", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, true, "scan_date"})},
+      {"panel_by_date", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, false, "scan_date"})}};
+  if (!block.scans.empty()) {
+    const std::string column = wide_column(block, block.scans.size() - 1);
+    all.push_back({"panel_wide", column, qml::graduated_style({column, label, scale, 12, false, {}})});
+  }
+  return all;
+}
+
+Result<void> add_styles(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
+  return add_layer_styles(package, styles(block), time);
+}
+
+}  // namespace
+
+Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
+  RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_panel_value_panel ON panel_value (panel_uid, scan_date)"));
+  RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
+  RAYFIELD_CHECK(create_view(package, time));
+  RAYFIELD_CHECK(describe_columns(package, block));
+  RAYFIELD_CHECK(add_styles(package, block, time));
+  return add_metadata(package, block);
+}
+
+Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockProducts& block,
+                        const std::string& target) {
+  DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
+  if (dataset == nullptr) return gdal.failure(kWhat, target);
+  const auto value = [&dataset](const std::string& sql) {
+    OGRLayer* rows = dataset->ExecuteSQL(sql.c_str(), nullptr, nullptr);
+    if (rows == nullptr) return std::string();
+    OGRFeature* row = rows->GetNextFeature();
+    const std::string text = row == nullptr ? "" : row->GetFieldAsString(0);
+    OGRFeature::DestroyFeature(row);
+    dataset->ReleaseResultSet(rows);
+    return text;
+  };
+  std::size_t values = 0, metres = 0;
+  for (const ScanResults& scan : block.scans) values += scan.panel_values.size(), metres += scan.row_metres.size();
+  const std::array<std::pair<const char*, std::size_t>, 7> expected = {{{"vine_row", block.rows.size()},
+                                                                        {"panel", block.panels.size()},
+                                                                        {"post", block.posts.size()},
+                                                                        {"scan", block.scans.size()},
+                                                                        {"panel_value", values},
+                                                                        {"row_metre", metres},
+                                                                        {"panel_wide", block.panels.size()}}};
+  bool good = value("PRAGMA integrity_check") == "ok";
+  for (const auto& [table, count] : expected) {
+    good = good && value(fmt::format("SELECT count(*) FROM {}", table)) == std::to_string(count);
+  }
+  if (good && !gdal.failed()) return {};
+  if (gdal.failed()) return gdal.failure(kWhat, target);
+  return fail(ErrorCode::resources, kWhat, target, "the file reads back other rows than were written",
+              "check the disk");
+}
+
+}  // namespace rayfield::formats::gpkg

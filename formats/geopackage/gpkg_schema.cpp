@@ -1,0 +1,155 @@
+#include "formats/geopackage/gpkg_schema.h"
+
+#include <algorithm>
+
+#include "formats/gis/measured_columns.h"
+
+namespace rayfield::formats::gpkg {
+namespace {
+
+const Column panel_uid{"panel_uid", OFTString, "UUID of the panel, the same on all dates"};
+const Column row_number{"row_number", OFTInteger, "number of the row in the block, from 1"};
+const Column panel_number{"panel_number", OFTInteger, "number of the panel along its row, from 1"};
+const Column panel_length{"length_m", OFTReal, "length of the panel along the row, m"};
+const Column row_name{"row_name", OFTString, "the farm's name for the row; empty if it has none"};
+const Column valid_from{"valid_from", OFTDate, "known to stand from this date on; NULL: always"};
+const Column valid_to{"valid_to", OFTDate, "gone from this date on; NULL: still there"};
+const Column source{"source", OFTString, "surveyed, or the scan that it was found in"};
+const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table scan"};
+const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
+
+void add_measured_columns(Table& table) {
+  for (const MeasuredColumn& column : kMeasuredColumns)
+    table.columns.push_back({column.name, OFTReal, column.description});
+  table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
+  table.columns.push_back({"wood_scan_id", OFTString, kWoodScanDescription});
+}
+
+}  // namespace
+
+Table vine_row_table() {
+  return {"vine_row",
+          "Centrelines of the rows of vines",
+          wkbLineString,
+          {{"row_uid", OFTString, "UUID of the row, the same on all dates"},
+           row_number,
+           {"length_m", OFTReal, "length of the row, m"},
+           {"spacing_m", OFTReal, "mean distance to the neighbouring rows, m; NULL for a single row"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
+}
+
+Table panel_table() {
+  return {"panel",
+          "Panels: spans of a row between two posts",
+          wkbPolygon,
+          {panel_uid,
+           row_number,
+           panel_number,
+           panel_length,
+           {"chainage_start_m", OFTReal, "start of the panel along the row's centreline, m"},
+           {"chainage_end_m", OFTReal, "end of the panel along the row's centreline, m"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
+}
+
+Table post_table() {
+  return {"post",
+          "Trellis posts",
+          wkbPoint,
+          {{"post_uid", OFTString, "UUID of the post, the same on all dates"},
+           row_number,
+           {"chainage_m", OFTReal, "position along the row's centreline, m"},
+           {"ground_m", OFTReal, "height of the ground at the post, m"},
+           {"height_m", OFTReal, "height of the post above the ground, m"},
+           {"detected", OFTInteger, "1: seen in a scan, 0: placed where the regular spacing or the survey wants one"},
+           row_name,
+           valid_from,
+           valid_to,
+           source}};
+}
+
+Table block_table() {
+  return {"block",
+          "The block and what it is called",
+          wkbNone,
+          {{"block", OFTString, "name of the block"},
+           {"farm", OFTString, "name of the farm; empty if not given"},
+           {"variety", OFTString, "variety grown; empty if not given"}}};
+}
+
+Table scan_table() {
+  return {"scan",
+          "Scans (dates) of the block",
+          wkbNone,
+          {{"scan_id", OFTString, "identifier of the scan"},
+           scan_date,
+           {"name", OFTString, "name given by the user"},
+           {"start_utc", OFTDateTime, "time of the first ray, UTC"},
+           {"end_utc", OFTDateTime, "time of the last ray, UTC"},
+           {"ray_count", OFTInteger64, "rays in the scan"},
+           {"offset_e_m", OFTReal, "how far the scan's middle was moved east onto the block's reference, m"},
+           {"offset_n_m", OFTReal, "how far it was moved north, m"},
+           {"offset_h_m", OFTReal, "how far it was moved up, m"},
+           {"yaw_mrad", OFTReal, "how far it was turned, from east to north, mrad"},
+           {"residual_m", OFTReal, "distance in plan of posts and trunks from those of the reference, rms, m"},
+           {"landmarks", OFTInteger, "posts and trunks that both show"},
+           {"aligned", OFTInteger, "1: it lies on the reference, 0: it lies where its positioning put it"},
+           {"wood_scan_id", OFTString, kWoodScanDescription},
+           {"leaf_note", OFTString, "what the leaf areas of the scan hold, where that is not leaves alone"}}};
+}
+
+Table panel_value_table() {
+  Table table{"panel_value", "Canopy of each panel on each date", wkbNone, {panel_uid, scan_id, scan_date}};
+  add_measured_columns(table);
+  return table;
+}
+
+Table row_metre_table() {
+  return {"row_metre",
+          "Canopy of each half metre of row on each date",
+          wkbPoint,
+          {row_number,
+           {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
+           scan_id,
+           scan_date,
+           {"leaf_area_per_m", OFTReal, kLeafAreaPerMDescription},
+           {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
+}
+
+Table panel_wide_table(const BlockProducts& block) {
+  Table table{"panel_wide",
+              "Leaf area per metre of row of each panel, one column per date",
+              wkbPolygon,
+              {panel_uid, row_number, panel_number, panel_length}};
+  for (std::size_t i = 0; i < block.scans.size(); ++i) {
+    table.columns.push_back({wide_column(block, i), OFTReal,
+                             "one-sided leaf area per metre of row on " + block.scans[i].scan.scan_date + ", m²/m"});
+  }
+  return table;
+}
+
+Table panel_by_date_view() {
+  Table view{"panel_by_date",
+             "Panels with their canopy on each date",
+             wkbPolygon,
+             {panel_uid, row_number, panel_number, panel_length, scan_id, scan_date}};
+  add_measured_columns(view);
+  return view;
+}
+
+std::string wide_column(const BlockProducts& block, std::size_t index) {
+  std::string name = "leaf_area_per_m_" + block.scans[index].scan.scan_date;
+  std::replace(name.begin(), name.end(), '-', '_');
+  std::size_t earlier = 0;
+  for (std::size_t i = 0; i < index; ++i) {
+    if (block.scans[i].scan.scan_date == block.scans[index].scan.scan_date) ++earlier;
+  }
+  return earlier == 0 ? name : name + "_" + std::to_string(earlier + 1);
+}
+
+}  // namespace rayfield::formats::gpkg

@@ -1,0 +1,147 @@
+#include "libdensity/leaf/leaf_products.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "libdensity/estimate/leaf_area.h"
+#include "libdensity/estimate/plan_raster.h"
+#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/layout/polyline.h"
+#include "libdensity/results/leaf_values.h"
+#include "libdensity/results/results_io.h"
+#include "libdensity/scan/row_voxels.h"
+#include "libdensity/scan/scan_voxels.h"
+#include "libdensity/tiles/accumulate.h"
+#include "rayfield/density/load.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr int kLeafVersion = 1;
+constexpr const char* kWoodPrefix = "wood_";
+
+struct LeafMaps {
+  LeafValues values;
+  RasterProduct raster;
+};
+
+// The dormant scan's counters on this scan's voxels.
+struct CountedWood {
+  std::string prefix;  // of their names
+  std::vector<tile::TileIndex> tiles;
+};
+
+// One row in both scans; appends to the maps. `panel`: the next of the results' panels.
+Result<void> separate_row(ScanWork& work, const Row& row, std::span<const Panel> panels, double spacing_m,
+                          RowDensity plant, const RowDensity& wood, std::size_t& panel, LeafMaps& maps,
+                          PlanRaster& raster) {
+  RAYFIELD_ASSIGN(const RowDensity leaf, subtract_wood(std::move(plant), wood));
+  const std::vector<LeafSum> sums = leaf_of_panels(leaf, wood, panels);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m,
+                  work.options.integration, work.options.leaf);
+  for (const double area : leaf_of_metres(leaf, row.length_m(), work.options.integration.metre_step_m))
+    maps.values.metres.push_back(area);
+  raster.add(leaf);
+  return {};
+}
+
+// Rows in the order in which the results were made of them.
+Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                               const CountedWood& counted, ScanResults results, const RasterProduct& plan) {
+  LeafMaps maps;
+  maps.values.panels = std::move(results.panel_values);
+  const std::size_t bytes = work.options.memory_bytes / 16;
+  RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
+  RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
+  RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
+  RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
+  work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
+  std::size_t panel = 0;
+  for (const Row& row : layout.rows) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    if (!plant.has_row(row.number)) continue;
+    EstimatorOptions options = work.options.estimator;
+    RAYFIELD_ASSIGN(RowDensity of_plant, plant.density(row.number, voxels.row_segments, voxels.wood, options));
+    options.leaf_size_m2 = of_plant.leaf_size_m2;
+    RAYFIELD_ASSIGN(RowDensity of_wood, wood.density(row.number, voxels.row_segments, voxels.wood, options));
+    // The published method knows nothing of leaves that come whole.
+    if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
+    RAYFIELD_CHECK(separate_row(work, row, panels_of(layout, row.number), layout.spacing_m, std::move(of_plant),
+                                of_wood, panel, maps, raster));
+    work.progress.advance(1);
+  }
+  maps.raster = raster.finish().front();
+  maps.raster.name = kLeafRasterName;
+  maps.raster.description = "One-sided leaf area above a square metre of ground; noise falls below 0, too";
+  // Lanes have no voxels; where there are no plants there are no leaves.
+  for (std::size_t i = 0; i < maps.raster.grid.values.size() && i < plan.grid.values.size(); ++i)
+    if (std::isnan(maps.raster.grid.values[i]) && plan.grid.values[i] == 0) maps.raster.grid.values[i] = 0;
+  return maps;
+}
+
+std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood, const CountedWood& counted) {
+  KeyBuilder key("leaf", kLeafVersion);
+  key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
+  key.add(work.files.sha256("results", "block"));
+  key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
+  key.add(option_numbers(work.options.integration)).add(option_numbers(work.options.plan));
+  for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
+  for (const tile::TileIndex index : counted.tiles)
+    key.add(work.files.sha256("voxels", counted.prefix + tile_name(index)));
+  return key.hex();
+}
+
+LeafReport report_of(const ScanResults& results) {
+  LeafReport report;
+  report.panels = results.panel_values.size();
+  for (const PanelValue& value : results.panel_values) {
+    if (std::isfinite(value.leaf_area_m2)) report.leaf_area_m2 += value.leaf_area_m2;
+    if (std::isfinite(value.plant_area_m2) && !std::isfinite(value.leaf_area_m2)) ++report.without_wood;
+  }
+  return report;
+}
+
+}  // namespace
+
+std::string content_of(const tile::ScanEntry& scan) {
+  KeyBuilder content("rays", 1);
+  for (const tile::TileEntry& entry : scan.tiles) content.add(entry.content_sha256());
+  return content.hex();
+}
+
+Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                                   const WoodScan& wood) {
+  CountedWood counted{"", voxels.tiles};  // of the scan itself: leaf areas are exactly 0
+  if (wood.scan.scan_id != work.scan.scan_id) {
+    counted.prefix = kWoodPrefix;
+    RAYFIELD_ASSIGN(counted.tiles,
+                    count_voxels(work, {wood.scan, wood.voxels, counted.prefix}, voxels.row_segments, voxels.wood));
+  }
+  const std::string key = leaf_key(work, voxels, wood, counted);
+  RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
+  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
+
+  std::optional<LeafMaps> maps;
+  const auto made = [&]() -> Result<void> {
+    if (maps) return {};
+    RAYFIELD_ASSIGN(const tile::ArraySet plan_arrays, work.files.read("raster", "plan_density"));
+    RAYFIELD_ASSIGN(const RasterProduct plan, raster_from_arrays(plan_arrays));
+    RAYFIELD_ASSIGN(maps, subtract_rows(work, layout, voxels, counted, results, plan));
+    maps->values.wood_scan_id = wood.scan.scan_id, maps->values.wood_content = content_of(wood.scan);
+    return {};
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("leaf", "block", key, [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_CHECK(made());
+    return leaf_to_arrays(maps->values, layout);
+  }));
+  RAYFIELD_CHECK(work.files.get("raster", kLeafRasterName, key, [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_CHECK(made());
+    return raster_to_arrays(maps->raster);
+  }));
+  RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
+  return report_of(results);
+}
+
+}  // namespace rayfield::density

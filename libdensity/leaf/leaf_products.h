@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/row_segments.h"
+#include "libdensity/voxels/wood.h"
+#include "rayfield/density/options.h"
+
+namespace rayfield::density {
+
+/// The voxels of a scan whose rays have been counted.
+struct ScanVoxels {
+  RowSegmentList row_segments;
+  std::vector<WoodCylinder> wood;      ///< masked posts and trunks
+  std::vector<tile::TileIndex> tiles;  ///< with counters
+};
+
+/// The dormant scan whose wood is subtracted.
+struct WoodScan {
+  const tile::ScanEntry& scan;
+  VoxelOptions voxels;  ///< which of its rays are counted
+};
+
+/// Names the rays of a scan.
+std::string content_of(const tile::ScanEntry& scan);
+
+struct LeafReport {
+  double leaf_area_m2 = 0;  ///< sum over the panels
+  std::size_t panels = 0;
+  std::size_t without_wood = 0;  ///< panels that have a plant area but no leaf area: the dormant scan shows too little
+};
+
+/// Leaf areas of a scan (kinds "leaf" and "raster", name kLeafRasterName). The dormant scan's rays are counted in the
+/// voxels of this one (kind "voxels", names "wood_<tile>") and estimated as its own are, for leaves of the same size,
+/// so that what is wrong about both cancels; then wood is subtracted voxel by voxel. Where `wood` is the scan itself,
+/// leaf areas are 0. Needs the scan's voxels, results and rasters in its files.
+Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                                   const WoodScan& wood);
+
+}  // namespace rayfield::density

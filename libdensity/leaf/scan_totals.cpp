@@ -1,0 +1,66 @@
+#include "libdensity/leaf/scan_totals.h"
+
+#include <cmath>
+#include <map>
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kKind = "totals";
+constexpr int kTotalsVersion = 1;
+
+tile::ArraySet to_arrays(const ScanTotals& totals) {
+  tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
+  arrays.columns["plant_area_m2"] = std::vector<double>{totals.plant_area_m2};
+  arrays.columns["panel_length_m"] = std::vector<double>{totals.panel_length_m};
+  arrays.columns["holds_downward_misses"] =
+      std::vector<std::uint8_t>{static_cast<std::uint8_t>(totals.holds_downward_misses ? 1 : 0)};
+  return arrays;
+}
+
+Result<ScanTotals> from_arrays(const tile::ArraySet& arrays) {
+  RAYFIELD_ASSIGN(const auto area, arrays.column<double>("plant_area_m2"));
+  RAYFIELD_ASSIGN(const auto length, arrays.column<double>("panel_length_m"));
+  RAYFIELD_ASSIGN(const auto misses, arrays.column<std::uint8_t>("holds_downward_misses"));
+  if (area.size() != 1 || length.size() != 1 || misses.size() != 1)
+    return fail(ErrorCode::damaged, "cannot read derived data", kKind, "it has no single values",
+                "run `rayfield verify`");
+  return ScanTotals{area[0], length[0], misses[0] != 0};
+}
+
+}  // namespace
+
+std::optional<double> ScanTotals::plant_area_per_m() const {
+  if (!(panel_length_m > 0)) return std::nullopt;
+  return plant_area_m2 / panel_length_m;
+}
+
+Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const ScanResults& results,
+                              bool holds_downward_misses) {
+  KeyBuilder key(kKind, kTotalsVersion);
+  key.add(work.files.sha256("results", "block")).add(std::int64_t{holds_downward_misses ? 1 : 0}).add(work.layout_key);
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    std::map<std::string, double> lengths;
+    for (const Panel& panel : layout.panels) lengths[panel.identity.uid] = panel.end_m - panel.start_m;
+    ScanTotals totals;
+    totals.holds_downward_misses = holds_downward_misses;
+    for (const PanelValue& value : results.panel_values)
+      if (std::isfinite(value.plant_area_m2))
+        totals.plant_area_m2 += value.plant_area_m2, totals.panel_length_m += lengths[value.panel_uid];
+    return to_arrays(totals);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key.hex(), make));
+  return from_arrays(arrays);
+}
+
+Result<std::optional<ScanTotals>> read_totals(const tile::Store& store, const tile::ScanEntry& scan) {
+  for (const tile::DerivedEntry& entry : scan.derived) {
+    if (entry.kind != kKind) continue;
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
+    RAYFIELD_ASSIGN(const ScanTotals totals, from_arrays(arrays));
+    return std::optional(totals);
+  }
+  return std::optional<ScanTotals>();
+}
+
+}  // namespace rayfield::density

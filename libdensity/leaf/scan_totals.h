@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/scan/scan_work.h"
+#include "rayfield/core/products.h"
+
+namespace rayfield::density {
+
+/// What other scans of the block want to know of a scan, small enough to be read for all of them (kind "totals").
+struct ScanTotals {
+  double plant_area_m2 = 0, panel_length_m = 0;  ///< of the panels that have a value
+  bool holds_downward_misses = false;            ///< see ground/survey.h
+  /// Nothing where no panel has a value.
+  std::optional<double> plant_area_per_m() const;
+};
+
+/// Sums up the results of `work.scan`, which are in its files, and keeps them there.
+Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const ScanResults& results,
+                              bool holds_downward_misses);
+
+/// Of a scan as the snapshot has it; nothing where it was not processed, or by a version that did not keep them.
+Result<std::optional<ScanTotals>> read_totals(const tile::Store& store, const tile::ScanEntry& scan);
+
+}  // namespace rayfield::density

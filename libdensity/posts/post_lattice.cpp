@@ -1,0 +1,232 @@
+#include "libdensity/posts/post_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace rayfield::density {
+namespace {
+
+constexpr double kSureShare = 0.7, kMaybeShare = 0.4;  // of PlacedStem::stem.upper_share
+constexpr double kSureSolid = 10, kMaybeSolid = 3;     // log-likelihood ratio
+constexpr double kTolerance = 0.06;                    // of a multiple of the spacing
+constexpr double kReach = 0.35;                        // m; least distance at which a post is looked for
+
+double evidence(const Stem& stem) { return stem.upper_share / kSureShare + std::max(0.0, stem.solidity) / kSureSolid; }
+
+bool maybe_post(const Stem& stem) { return stem.upper_share >= kMaybeShare || stem.solidity >= kMaybeSolid; }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool clearly_thicker(const Stem& stem, const UsualStems& usual) {
+  return usual.post_radius_m - usual.trunk_radius_m > 0.006 &&
+         stem.radius_m > 0.5 * (usual.post_radius_m + usual.trunk_radius_m);
+}
+
+// True for a stem that stands between two vines which are one vine spacing apart: it is not the vine itself.
+bool is_extra(const std::vector<PlacedStem>& stems, std::size_t i, const UsualStems& usual) {
+  if (!(usual.trunk_spacing_m > 0) || i == 0 || i + 1 >= stems.size()) return false;
+  return stems[i + 1].chainage_m - stems[i - 1].chainage_m < 1.3 * usual.trunk_spacing_m;
+}
+
+// How well a stem would do as the post at a place: evidence of height, not thinner than posts are, near the place.
+double fitness(const PlacedStem& s, double off_m, const UsualStems& usual) {
+  const double thin = std::max(0.0, usual.post_radius_m - s.stem.radius_m) / 0.01;
+  return std::min(2.0, evidence(s.stem)) - thin - 2 * off_m / kReach;
+}
+
+std::optional<std::size_t> find_near(const std::vector<PlacedStem>& stems, double chainage_m, double reach_m,
+                                     const UsualStems& usual) {
+  constexpr double kTight = 0.15;  // m
+  std::optional<std::size_t> best;
+  double best_score = -4;  // a lone thin stem at the edge of the reach is worth less than an inferred post
+  for (std::size_t i = 0; i < stems.size(); ++i) {
+    const double off = std::abs(stems[i].chainage_m - chainage_m);
+    const bool extra = off <= kTight && is_extra(stems, i, usual);
+    if (off > reach_m || !(maybe_post(stems[i].stem) || clearly_thicker(stems[i].stem, usual) || extra)) continue;
+    const double score = fitness(stems[i], off, usual);
+    if (score > best_score) best = i, best_score = score;
+  }
+  return best;
+}
+
+// How many sure posts stand at multiples of the spacing from the one that explains most.
+std::size_t most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                            double spacing_m) {
+  std::size_t most = 0;
+  for (std::size_t a : sure)
+    most = std::max(most, static_cast<std::size_t>(std::count_if(sure.begin(), sure.end(), [&](std::size_t i) {
+                      const double along = (stems[i].chainage_m - stems[a].chainage_m) / spacing_m;
+                      return std::abs(along - std::round(along)) <= kTolerance;
+                    })));
+  return most;
+}
+
+// The sure post from which the spacing explains most of the others; nothing if that is less than half of them in a
+// block whose posts do not stand regularly.
+std::optional<std::size_t> find_anchor(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                                       const UsualStems& usual) {
+  std::optional<std::size_t> anchor;
+  double best = 0;
+  std::size_t best_count = 0;
+  for (std::size_t a : sure) {
+    double score = 0;
+    std::size_t count = 0;
+    for (std::size_t i : sure) {
+      const double along = (stems[i].chainage_m - stems[a].chainage_m) / usual.spacing_m;
+      const double off = std::abs(along - std::round(along));
+      if (off > kTolerance) continue;
+      score += std::max(0.1, fitness(stems[i], 0, usual) + 1) * (1 - off / kTolerance) + 0.1;
+      ++count;
+    }
+    if (score > best) best = score, best_count = count, anchor = a;
+  }
+  if (!usual.regular && 2 * best_count < sure.size()) return std::nullopt;
+  return anchor;
+}
+
+// Sure posts without regular spacing.
+std::vector<std::size_t> irregular(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                                   const UsualStems& usual) {
+  const double closest = std::isfinite(usual.spacing_m) ? 0.5 * usual.spacing_m : 1.0;
+  std::vector<std::size_t> posts;
+  for (std::size_t i : sure) {
+    if (posts.empty() || stems[i].chainage_m - stems[posts.back()].chainage_m >= closest) {
+      posts.push_back(i);
+    } else if (fitness(stems[i], 0, usual) > fitness(stems[posts.back()], 0, usual)) {
+      posts.back() = i;
+    }
+  }
+  return posts;
+}
+
+// Sure posts where the canopy ends, though the spacing would not put one there: end panels are often shorter.
+void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure, const UsualStems& usual,
+                   double row_length_m, PostChoice& choice) {
+  constexpr double kEnd = 1.0;  // m
+  const double apart = 0.25 * usual.spacing_m;
+  for (std::size_t i : sure) {
+    const double at = stems[i].chainage_m;
+    if (std::min(std::abs(at), std::abs(at - row_length_m)) > kEnd || fitness(stems[i], 0, usual) < 0) continue;
+    const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(),
+                                   [&](std::size_t k) { return std::abs(stems[k].chainage_m - at) < apart; });
+    if (taken) continue;
+    choice.posts.push_back(i);
+    std::erase_if(choice.inferred_m, [&](double m) { return std::abs(m - at) < apart; });
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
+  std::vector<std::size_t> sure;
+  for (std::size_t i = 0; i < stems.size(); ++i)
+    if (stems[i].stem.upper_share >= kSureShare || stems[i].stem.solidity >= kSureSolid) sure.push_back(i);
+  return sure;
+}
+
+std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                                           double trunk_spacing_m) {
+  UsualStems usual;
+  usual.trunk_spacing_m = trunk_spacing_m;
+  std::vector<std::size_t> witnesses;
+  for (std::size_t i = 0; i < stems.size(); ++i)
+    if (std::binary_search(sure.begin(), sure.end(), i) || is_extra(stems, i, usual)) witnesses.push_back(i);
+  return witnesses;
+}
+
+UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
+                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
+  // Between all pairs that are not far apart: a vine taken for a post must not hide the gap between its neighbours.
+  std::vector<double> gaps;
+  for (std::size_t r = 0; r < stems.size(); ++r)
+    for (std::size_t i = 0; i < sure[r].size(); ++i)
+      for (std::size_t j = i + 1; j < sure[r].size(); ++j) {
+        const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
+        if (gap >= min_m && gap <= 2 * max_m) gaps.push_back(gap);
+      }
+  std::size_t others = 0;
+  for (const auto& of_row : sure) others += of_row.empty() ? 0 : of_row.size() - 1;
+  // How many sure posts stand at multiples of a spacing from the one of their row that explains most.
+  const auto explained = [&](double spacing) {
+    std::size_t sum = 0;
+    for (std::size_t r = 0; r < stems.size(); ++r)
+      if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing) - 1;
+    return sum;
+  };
+  struct Candidate {
+    double spacing_m;
+    std::size_t explained;
+  };
+  std::vector<double> tried;
+  for (double gap : gaps)
+    for (int parts = 1; parts <= 3; ++parts)
+      if (gap / parts >= min_m && gap / parts <= max_m) tried.push_back(gap / parts);
+  std::sort(tried.begin(), tried.end());
+  std::vector<Candidate> candidates;
+  std::size_t most = 0;
+  for (double spacing : tried) {
+    constexpr double kApart = 0.005;  // m; a large block has more gaps than spacings that differ
+    if (!candidates.empty() && spacing < candidates.back().spacing_m + kApart) continue;
+    candidates.push_back({spacing, explained(spacing)});
+    most = std::max(most, candidates.back().explained);
+  }
+  if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
+  // A half or a third of the spacing explains as much, and a little more by chance: of the multiples of the one that
+  // explains most, the widest that does nearly as well. No other spacing may take its place.
+  const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
+  double best = 0;
+  for (const Candidate& c : candidates)
+    if (c.explained == most) best = c.spacing_m;
+  double widest = best;
+  for (const Candidate& c : candidates) {
+    const double times = c.spacing_m / best;
+    const bool multiple = times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
+    if (multiple && c.explained >= enough) widest = std::max(widest, c.spacing_m);
+  }
+  std::vector<double> spacings;
+  for (double gap : gaps) {
+    const double spacing = gap / std::max(1.0, std::round(gap / widest));
+    if (std::abs(spacing - widest) <= kTolerance * widest) spacings.push_back(spacing);
+  }
+  const double spacing = median(spacings);
+  const std::size_t agree = explained(spacing);
+  return {spacing, agree >= 4 && 2 * agree > others};
+}
+
+PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                        const UsualStems& usual, double row_length_m) {
+  constexpr double kOverhang = 0.5;  // m; how far beyond the canopy a post may be wanted
+  PostChoice choice;
+  const std::optional<std::size_t> anchor =
+      std::isfinite(usual.spacing_m) ? find_anchor(stems, sure, usual) : std::nullopt;
+  if (!anchor) {
+    choice.posts = irregular(stems, sure, usual);
+    return choice;
+  }
+  const double reach = std::max(kReach, kTolerance * usual.spacing_m);
+  choice.posts.push_back(*anchor);
+  for (const double step : {usual.spacing_m, -usual.spacing_m}) {
+    double at = stems[*anchor].chainage_m + step;
+    for (; at > -kOverhang && at < row_length_m + kOverhang; at += step) {
+      if (const auto found = find_near(stems, at, reach, usual)) {
+        choice.posts.push_back(*found);
+        at = stems[*found].chainage_m;
+      } else {
+        choice.inferred_m.push_back(at);
+      }
+    }
+  }
+  add_end_posts(stems, sure, usual, row_length_m, choice);
+  std::sort(choice.posts.begin(), choice.posts.end());
+  choice.posts.erase(std::unique(choice.posts.begin(), choice.posts.end()), choice.posts.end());
+  std::sort(choice.inferred_m.begin(), choice.inferred_m.end());
+  return choice;
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,194 @@
+#include "libdensity/results/results_io.h"
+
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace rayfield::density {
+namespace {
+
+using nlohmann::json;
+
+// The columns of a panel's values, in one place for writing and reading.
+constexpr std::array<std::pair<const char*, double PanelValue::*>, 11> kPanelColumns{{
+    {"plant_area_m2", &PanelValue::plant_area_m2},
+    {"leaf_area_m2", &PanelValue::leaf_area_m2},
+    {"leaf_area_per_m", &PanelValue::leaf_area_per_m},
+    {"lai", &PanelValue::lai},
+    {"se_leaf_area_m2", &PanelValue::se_leaf_area_m2},
+    {"ci_low_m2", &PanelValue::ci_low_m2},
+    {"ci_high_m2", &PanelValue::ci_high_m2},
+    {"canopy_height_m", &PanelValue::canopy_height_m},
+    {"canopy_width_m", &PanelValue::canopy_width_m},
+    {"gap_fraction", &PanelValue::gap_fraction},
+    {"observed_fraction", &PanelValue::observed_fraction},
+}};
+
+tl::unexpected<Error> damaged(const std::string& what, const std::string& why) {
+  return fail(ErrorCode::damaged, "cannot read derived data", what, why, "run `rayfield verify`");
+}
+
+json grid_json(const Grid2<float>& grid) {
+  return {{"origin", {grid.origin.x(), grid.origin.y()}}, {"cell_m", grid.cell_m}, {"nx", grid.nx}, {"ny", grid.ny}};
+}
+
+// A grid from its description and values[begin…]; nullopt-like empty grid on nonsense.
+Result<Grid2<float>> grid_from(const json& description, std::span<const float> values, std::size_t& begin,
+                               const std::string& what) {
+  Grid2<float> grid;
+  grid.origin = {description.at("origin").at(0).get<double>(), description.at("origin").at(1).get<double>()};
+  grid.cell_m = description.at("cell_m").get<double>();
+  grid.nx = description.at("nx").get<int>();
+  grid.ny = description.at("ny").get<int>();
+  if (grid.nx < 0 || grid.ny < 0) return damaged(what, "a grid has a negative size");
+  const std::size_t count = static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.ny);
+  if (begin > values.size() || count > values.size() - begin) return damaged(what, "a grid is cut short");
+  grid.values.assign(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                     values.begin() + static_cast<std::ptrdiff_t>(begin + count));
+  begin += count;
+  return grid;
+}
+
+}  // namespace
+
+tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& layout) {
+  tile::ArraySet arrays;
+  arrays.kind = "results";
+  std::map<std::string, const Panel*> panels;
+  for (const Panel& panel : layout.panels) panels[panel.identity.uid] = &panel;
+
+  std::vector<std::int32_t> row, number;
+  std::vector<std::int64_t> rays;
+  for (const PanelValue& value : results.panel_values) {
+    const Panel* panel = panels.at(value.panel_uid);
+    row.push_back(panel->row), number.push_back(panel->number), rays.push_back(value.ray_count);
+  }
+  arrays.columns["panel_row"] = std::move(row);
+  arrays.columns["panel_number"] = std::move(number);
+  arrays.columns["panel_ray_count"] = std::move(rays);
+  for (const auto& [name, member] : kPanelColumns) {
+    std::vector<double> column;
+    for (const PanelValue& value : results.panel_values) column.push_back(value.*member);
+    arrays.columns[std::string("panel_") + name] = std::move(column);
+  }
+
+  std::vector<std::int32_t> metre_row;
+  std::vector<double> chainage, easting, northing, leaf, plant;
+  for (const RowMetreProduct& metre : results.row_metres) {
+    metre_row.push_back(metre.row_number), chainage.push_back(metre.chainage_m);
+    easting.push_back(metre.position.x()), northing.push_back(metre.position.y());
+    leaf.push_back(metre.leaf_area_per_m), plant.push_back(metre.plant_area_per_m);
+  }
+  arrays.columns["metre_row"] = std::move(metre_row);
+  arrays.columns["metre_chainage_m"] = std::move(chainage);
+  arrays.columns["metre_easting_m"] = std::move(easting);
+  arrays.columns["metre_northing_m"] = std::move(northing);
+  arrays.columns["metre_leaf_area_per_m"] = std::move(leaf);
+  arrays.columns["metre_plant_area_per_m"] = std::move(plant);
+
+  json sections = json::array();
+  std::vector<float> values;
+  for (const SectionProduct& section : results.sections) {
+    sections.push_back({{"name", section.name},
+                        {"unit", section.unit},
+                        {"row", section.row_number},
+                        {"grid", grid_json(section.grid)}});
+    values.insert(values.end(), section.grid.values.begin(), section.grid.values.end());
+  }
+  arrays.columns["section_values"] = std::move(values);
+  arrays.attributes = json{{"sections", sections}, {"element_area_m2", results.element_area_m2}}.dump();
+  return arrays;
+}
+
+Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout,
+                                        const ScanProduct& scan) {
+  if (arrays.kind != "results" || arrays.version != 1) return damaged(arrays.kind, "not results of version 1");
+  ScanResults results;
+  results.scan = scan;
+  std::map<std::pair<int, int>, std::string> uids;
+  for (const Panel& panel : layout.panels) uids[{panel.row, panel.number}] = panel.identity.uid;
+
+  RAYFIELD_ASSIGN(const auto row, arrays.column<std::int32_t>("panel_row"));
+  RAYFIELD_ASSIGN(const auto number, arrays.column<std::int32_t>("panel_number"));
+  RAYFIELD_ASSIGN(const auto rays, arrays.column<std::int64_t>("panel_ray_count"));
+  if (number.size() != row.size() || rays.size() != row.size()) return damaged("results", "columns differ in length");
+  results.panel_values.resize(row.size());
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const auto uid = uids.find({row[i], number[i]});
+    if (uid == uids.end()) return damaged("results", "a panel is not in the layout");
+    PanelValue& value = results.panel_values[i];
+    value.panel_uid = uid->second, value.scan_id = scan.scan_id, value.scan_date = scan.scan_date;
+    value.ray_count = rays[i];
+  }
+  for (const auto& [name, member] : kPanelColumns) {
+    RAYFIELD_ASSIGN(const auto column, arrays.column<double>(std::string("panel_") + name));
+    if (column.size() != row.size()) return damaged("results", "columns differ in length");
+    for (std::size_t i = 0; i < row.size(); ++i) results.panel_values[i].*member = column[i];
+  }
+
+  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known.
+  for (PanelValue& value : results.panel_values) value.se_plant_area_m2 = value.se_leaf_area_m2;
+
+  RAYFIELD_ASSIGN(const auto metre_row, arrays.column<std::int32_t>("metre_row"));
+  RAYFIELD_ASSIGN(const auto chainage, arrays.column<double>("metre_chainage_m"));
+  RAYFIELD_ASSIGN(const auto easting, arrays.column<double>("metre_easting_m"));
+  RAYFIELD_ASSIGN(const auto northing, arrays.column<double>("metre_northing_m"));
+  RAYFIELD_ASSIGN(const auto leaf, arrays.column<double>("metre_leaf_area_per_m"));
+  RAYFIELD_ASSIGN(const auto plant, arrays.column<double>("metre_plant_area_per_m"));
+  const std::size_t count = metre_row.size();
+  for (const std::size_t size : {chainage.size(), easting.size(), northing.size(), leaf.size(), plant.size()})
+    if (size != count) return damaged("results", "columns differ in length");
+  for (std::size_t i = 0; i < count; ++i)
+    results.row_metres.push_back(
+        {metre_row[i], chainage[i], {easting[i], northing[i]}, scan.scan_id, scan.scan_date, leaf[i], plant[i]});
+
+  RAYFIELD_ASSIGN(const auto values, arrays.column<float>("section_values"));
+  std::size_t begin = 0;
+  try {
+    const json attributes = json::parse(arrays.attributes);
+    results.element_area_m2 = attributes.at("element_area_m2").get<double>();
+    for (const json& section : attributes.at("sections")) {
+      SectionProduct product{section.at("name").get<std::string>(),
+                             section.at("unit").get<std::string>(),
+                             section.at("row").get<int>(),
+                             {}};
+      RAYFIELD_ASSIGN(product.grid, grid_from(section.at("grid"), values, begin, "results"));
+      results.sections.push_back(std::move(product));
+    }
+  } catch (const json::exception& e) {
+    return damaged("results", e.what());
+  }
+  return results;
+}
+
+tile::ArraySet raster_to_arrays(const RasterProduct& raster) {
+  tile::ArraySet arrays;
+  arrays.kind = "raster";
+  arrays.attributes = json{{"name", raster.name},
+                           {"unit", raster.unit},
+                           {"description", raster.description},
+                           {"grid", grid_json(raster.grid)}}
+                          .dump();
+  arrays.columns["values"] = raster.grid.values;
+  return arrays;
+}
+
+Result<RasterProduct> raster_from_arrays(const tile::ArraySet& arrays) {
+  if (arrays.kind != "raster" || arrays.version != 1) return damaged(arrays.kind, "not a raster of version 1");
+  RAYFIELD_ASSIGN(const auto values, arrays.column<float>("values"));
+  try {
+    const json attributes = json::parse(arrays.attributes);
+    RasterProduct raster{attributes.at("name").get<std::string>(),
+                         attributes.at("unit").get<std::string>(),
+                         attributes.at("description").get<std::string>(),
+                         {}};
+    std::size_t begin = 0;
+    RAYFIELD_ASSIGN(raster.grid, grid_from(attributes.at("grid"), values, begin, "raster"));
+    return raster;
+  } catch (const json::exception& e) {
+    return damaged("raster", e.what());
+  }
+}
+
+}  // namespace rayfield::density

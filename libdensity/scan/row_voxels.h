@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libdensity/estimate/row_density.h"
+#include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/row_segments.h"
+#include "libdensity/voxels/wood.h"
+
+namespace rayfield::density {
+
+/// The counters of a scan's tiles (count_voxels()), brought together row by row. Tiles are read when needed;
+/// neighbouring rows run through the same ones, so the latest are kept, as many as fit.
+class RowVoxels {
+ public:
+  /// `prefix`: of the counters' names. `bytes`: bounds what is kept.
+  static Result<RowVoxels> open(ScanWork& work, std::string prefix, std::span<const tile::TileIndex> tiles,
+                                std::size_t bytes);
+
+  /// Neighbouring beams of all tiles.
+  const LeafSizePairs& pairs() const { return pairs_; }
+  bool has_row(int row) const { return tiles_of_row_.count(row) > 0; }
+  /// A row without a counted voxel is unobserved throughout.
+  Result<RowDensity> density(int row, const RowSegmentList& list, std::span<const WoodCylinder> wood,
+                             const EstimatorOptions& options);
+
+ private:
+  struct Kept {
+    std::shared_ptr<const TileVoxels> voxels;
+    std::size_t bytes;
+  };
+  RowVoxels(ScanWork& work, std::string prefix, std::size_t bytes)
+      : work_(&work), prefix_(std::move(prefix)), bytes_(bytes) {}
+  Result<std::shared_ptr<const TileVoxels>> get(tile::TileIndex index);
+
+  ScanWork* work_;
+  std::string prefix_;
+  std::size_t bytes_, used_ = 0;
+  std::list<Kept> kept_;  // the latest first
+  LeafSizePairs pairs_;
+  std::map<int, std::vector<tile::TileIndex>> tiles_of_row_;
+};
+
+}  // namespace rayfield::density

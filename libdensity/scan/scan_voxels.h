@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/row_segments.h"
+#include "libdensity/voxels/wood.h"
+
+namespace rayfield::density {
+
+/// What can be met in one tile.
+struct TileScene {
+  std::vector<RowSegment> row_segments;
+  std::vector<WoodCylinder> wood;
+};
+TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentList& list,
+                   std::span<const WoodCylinder> wood);
+
+/// Rays to count in the voxels of a scan: its own, or those of the dormant scan that shows its wood.
+struct CountedRays {
+  const tile::ScanEntry& scan;
+  VoxelOptions voxels;
+  std::string prefix;  ///< of the counters' names: "", or "wood_"
+};
+
+/// Counts rays in the voxels of every tile that a row segment touches; the counters stay in the store (kind "voxels",
+/// name: prefix and tile). Returns the tiles that have any, in order.
+Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedRays& rays,
+                                                  const RowSegmentList& row_segments,
+                                                  std::span<const WoodCylinder> wood);
+
+}  // namespace rayfield::density

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "libdensity/tiles/derive.h"
+#include "rayfield/core/progress.h"
+#include "rayfield/density/options.h"
+#include "rayfield/tile/store.h"
+
+namespace rayfield::density {
+
+/// Here the stages run one after the other over a store, which keeps what each of them made under a key of all it
+/// depends on. What the stages of one scan share:
+struct ScanWork {
+  const tile::Store& store;
+  const tile::ScanEntry& scan;
+  const ProcessOptions& options;
+  Derivation& files;
+  Progress& progress;
+  int threads = 1;
+  VoxelOptions voxels = {};     ///< the options', or for a scan with all its rays: count all
+  std::string layout_key = {};  ///< names the layout in the keys of what depends on it
+
+  double tile_size_m() const { return store.config().tile_size_m; }
+  tile::TileRef tile_of(const tile::TileEntry& entry) const { return {entry.index, tile_size_m()}; }
+};
+
+}  // namespace rayfield::density

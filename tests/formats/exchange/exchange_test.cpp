@@ -1,0 +1,123 @@
+#include "rayfield/formats/exchange.h"
+
+#include <gtest/gtest.h>
+#include <ogrsf_frmts.h>
+
+#include <memory>
+
+#include "rayfield/core/map_frame.h"
+#include "tests/formats/gdal_dataset.h"
+#include "tests/formats/products_support.h"
+
+namespace rayfield::formats {
+namespace {
+
+using testing::kNan;
+using testing::make_block;
+using testing::message;
+using testing::read_file;
+using testing::TemporaryFolder;
+
+testing::Dataset open(const std::string& path) { return testing::open_dataset(path, GDAL_OF_VECTOR); }
+
+TEST(GeoJson, PanelsLieWhereTheyShouldInLongitudeAndLatitude) {
+  const TemporaryFolder folder;
+  BlockProducts block = make_block(2, 2, {"2018-12-12", "2019-02-11"});
+  std::reverse(block.panels[1].outline.begin(), block.panels[1].outline.end());  // clockwise: must be turned
+  block.scans[1].panel_values[0].lai = kNan;
+  block.scans[1].panel_values.pop_back();
+  const auto written = write_panels_geojson(block, 1, folder / "a.geojson");
+  ASSERT_TRUE(written) << message(written);
+  const testing::Dataset dataset = open(folder / "a.geojson");
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* layer = dataset->GetLayer(0);
+  ASSERT_EQ(layer->GetFeatureCount(), 4);
+  const auto frame = MapFrame::create("EPSG:7854");
+  ASSERT_TRUE(frame);
+  std::size_t i = 0;
+  for (auto& feature : *layer) {
+    const PanelProduct& panel = block.panels[i];
+    EXPECT_EQ(panel.panel_uid, feature->GetFieldAsString("panel_uid"));
+    const OGRLinearRing* ring = feature->GetGeometryRef()->toPolygon()->getExteriorRing();
+    EXPECT_FALSE(ring->isClockwise());
+    ASSERT_EQ(ring->getNumPoints(), 5);
+    double nearest_deg = 1;
+    const Eigen::Vector2d& corner = panel.outline[0];
+    const Eigen::Vector3d expected = frame->geodetic_from_map({corner.x(), corner.y(), 0});
+    for (int k = 0; k < 4; ++k) {
+      nearest_deg = std::min(nearest_deg, std::hypot(ring->getX(k) - expected.y(), ring->getY(k) - expected.x()));
+    }
+    EXPECT_LT(nearest_deg, 2e-9);  // the file carries nine decimals
+    ++i;
+  }
+  const std::string text = read_file(folder / "a.geojson");
+  EXPECT_NE(text.find("\"lai\":null"), std::string::npos);
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_EQ(text.find("\"crs\""), std::string::npos);  // RFC 7946 has no such member
+}
+
+TEST(GeoJson, ValuesAndAwkwardTextComeBack) {
+  const TemporaryFolder folder;
+  BlockProducts block = make_block(1, 1, {"2019-02-11"});
+  const std::string uid = "a \"quoted\" \\ <b> Grüner";
+  block.panels[0].panel_uid = uid;
+  block.scans[0].panel_values[0].panel_uid = uid;
+  block.scans[0].panel_values[0].leaf_area_m2 = 0.1 + 0.2;
+  ASSERT_TRUE(write_panels_geojson(block, 0, folder / "a.geojson"));
+  const testing::Dataset dataset = open(folder / "a.geojson");
+  ASSERT_NE(dataset, nullptr);
+  dataset->GetLayer(0)->ResetReading();
+  const std::unique_ptr<OGRFeature> feature(dataset->GetLayer(0)->GetNextFeature());
+  ASSERT_NE(feature, nullptr);
+  EXPECT_EQ(uid, feature->GetFieldAsString("panel_uid"));
+  EXPECT_EQ(feature->GetFieldAsDouble("leaf_area_m2"), 0.1 + 0.2);
+  EXPECT_EQ(feature->GetFieldAsInteger64("ray_count"), 5'000'000'000LL);
+  EXPECT_TRUE(feature->IsFieldNull(feature->GetFieldIndex("wood_scan_id"))) << "no wood was subtracted";
+}
+
+TEST(GeoJson, AScanThatDoesNotExistIsAUsageError) {
+  const TemporaryFolder folder;
+  const auto written = write_panels_geojson(make_block(1, 1, {"2019-02-11"}), 1, folder / "a.geojson");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::usage);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
+  const TemporaryFolder folder;
+  BlockProducts block = make_block(1, 2, {"2018-12-12", "2019-02-11"});
+  block.scans[0].panel_values[0].lai = kNan;
+  block.scans[0].panel_values[1].scan_id = "x,\"y\"";
+  block.scans[0].panel_values[0].wood_scan_id = "2018-07-20";
+  ASSERT_TRUE(write_panels_csv(block, folder / "a.csv"));
+  std::istringstream lines(read_file(folder / "a.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line,
+            "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
+            "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
+            "se_plant_area_m2,ray_count,wood_scan_id");
+  std::getline(lines, line);
+  EXPECT_EQ(line,
+            "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
+            "0.9375,0.1875,5000000000,2018-07-20");
+  std::getline(lines, line);
+  EXPECT_NE(line.find(",\"x,\"\"y\"\"\",2018-12-12,"), std::string::npos) << line;
+  int more = 0;
+  while (std::getline(lines, line)) ++more;
+  EXPECT_EQ(more, 2);
+}
+
+TEST(Csv, RowMetresCarryTheirPlace) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_row_metres_csv(make_block(1, 1, {"2019-02-11"}), folder / "m.csv"));
+  std::istringstream lines(read_file(folder / "m.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m");
+  std::getline(lines, line);
+  EXPECT_EQ(line, "1,0.25,276196.4736,6099944.3249,scan-2019-02-11,2019-02-11,0.03125,0.0625");
+}
+
+}  // namespace
+}  // namespace rayfield::formats

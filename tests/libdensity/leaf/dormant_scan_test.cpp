@@ -1,0 +1,112 @@
+#include "libdensity/leaf/dormant_scan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace rayfield::density {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSouth = -35, kNorth = 47;
+
+ScanSeason scan(const std::string& date, std::optional<double> plant_area_per_m,
+                std::optional<bool> declared = std::nullopt) {
+  return {date, date, declared, plant_area_per_m};
+}
+
+std::vector<bool> dormant(const std::vector<ScanSeason>& scans, std::optional<double> latitude_deg) {
+  std::vector<bool> out;
+  for (const DormantVerdict& verdict : find_dormant_scans(scans, latitude_deg)) out.push_back(verdict.dormant);
+  return out;
+}
+
+TEST(LeaflessSeason, IsJuneToTenSeptemberInTheSouthAndHalfAYearLaterInTheNorth) {
+  for (const char* date : {"2019-06-01", "2019-07-31", "2019-09-10"}) {
+    EXPECT_TRUE(is_leafless_season(date, kSouth)) << date;
+    EXPECT_FALSE(is_leafless_season(date, kNorth)) << date;
+  }
+  for (const char* date : {"2019-12-01", "2020-01-31", "2020-02-29", "2020-03-10"}) {
+    EXPECT_TRUE(is_leafless_season(date, kNorth)) << date;
+    EXPECT_FALSE(is_leafless_season(date, kSouth)) << date;
+  }
+  for (const char* date : {"2019-05-31", "2019-09-11", "2019-11-30", "2019-03-11"})
+    for (const double latitude : {kSouth, kNorth}) EXPECT_FALSE(is_leafless_season(date, latitude)) << date;
+}
+
+TEST(LeaflessSeason, IsNeverNearTheEquator) {
+  for (const double latitude : {-20.0, -5.0, 0.0, 12.0, 20.0})
+    for (const char* date : {"2019-07-15", "2019-01-15"}) EXPECT_FALSE(is_leafless_season(date, latitude));
+  EXPECT_TRUE(is_leafless_season("2019-07-15", -20.1));
+  EXPECT_TRUE(is_leafless_season("2019-01-15", 20.1));
+}
+
+TEST(DormantScans, AreThoseOfTheLeaflessMonthsThatShowLittle) {
+  const std::vector<ScanSeason> scans = {scan("2019-07-20", 0.4), scan("2019-10-01", 0.7), scan("2020-02-01", 3.1)};
+  EXPECT_EQ(dormant(scans, kSouth), (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(dormant(scans, kNorth), (std::vector<bool>{false, false, false})) << "nothing is small against a winter";
+  EXPECT_EQ(dormant(scans, 8), (std::vector<bool>{false, false, false}));
+  EXPECT_EQ(dormant(scans, std::nullopt), (std::vector<bool>{false, false, false}));
+}
+
+TEST(DormantScans, NeedNoOtherScanToBeHeldAgainst) {
+  EXPECT_EQ(dormant({scan("2019-07-20", 0.4)}, kSouth), std::vector<bool>{true});
+  EXPECT_EQ(dormant({scan("2019-06-20", 0.9), scan("2019-08-20", 0.4)}, kSouth), (std::vector<bool>{true, true}))
+      << "between the two the vines were pruned";
+}
+
+TEST(DormantScans, AreNotThoseThatShowMoreThanHalfOfFullLeafOrAsMuchAsSpring) {
+  const auto evergreen = find_dormant_scans(std::vector{scan("2019-07-20", 1.8), scan("2020-01-10", 3.1)}, kSouth);
+  EXPECT_FALSE(evergreen[0].dormant);
+  EXPECT_THAT(evergreen[0].reason, HasSubstr("--dormant yes"));
+  EXPECT_EQ(dormant({scan("2019-07-20", 1.5), scan("2020-01-10", 3.1)}, kSouth)[0], true);
+  EXPECT_EQ(dormant({scan("2019-07-20", 0.5), scan("2019-10-01", 0.7)}, kSouth)[0], true) << "budburst adds little";
+  EXPECT_EQ(dormant({scan("2019-07-20", 0.7), scan("2019-10-01", 0.7)}, kSouth)[0], false);
+}
+
+TEST(DormantScans, AreNotUndecidedOnesThatHaveNotBeenProcessed) {
+  const auto verdicts = find_dormant_scans(std::vector{scan("2019-07-20", std::nullopt)}, kSouth);
+  EXPECT_FALSE(verdicts[0].dormant);
+  EXPECT_THAT(verdicts[0].reason, HasSubstr("not been processed"));
+}
+
+TEST(DormantScans, AreWhatTheUserSays) {
+  EXPECT_EQ(dormant({scan("2019-07-20", 0.4, false), scan("2020-01-10", 3.1, true)}, kSouth),
+            (std::vector<bool>{false, true}));
+  EXPECT_EQ(dormant({scan("2019-10-20", 0.4, true)}, std::nullopt), std::vector<bool>{true});
+}
+
+TEST(WoodScan, IsTheDormantOneNearestInTimeBeforeOrAfter) {
+  const std::vector<ScanSeason> scans = {scan("2019-07-20", 0.4), scan("2019-10-01", 0.7), scan("2020-02-01", 3.1),
+                                         scan("2020-04-20", 1.1), scan("2020-08-01", 0.4)};
+  const auto verdicts = find_dormant_scans(scans, kSouth);
+  EXPECT_EQ(wood_scan_of(1, scans, verdicts), 0);
+  EXPECT_EQ(wood_scan_of(2, scans, verdicts), 4) << "182 days after, 196 before";
+  EXPECT_EQ(wood_scan_of(3, scans, verdicts), 4);
+  EXPECT_EQ(wood_scan_of(0, scans, verdicts), 0) << "a dormant scan shows its own wood";
+  EXPECT_EQ(wood_scan_of(4, scans, verdicts), 4);
+}
+
+TEST(WoodScan, IsTheEarlierOfTwoAsNearAndNeverOneThatWasNotProcessed) {
+  const std::vector<ScanSeason> scans = {scan("2020-02-11", 3.1), scan("2020-02-21", 0.4, true),
+                                         scan("2020-02-01", 0.4, true), scan("2020-02-12", std::nullopt, true)};
+  const auto verdicts = find_dormant_scans(scans, kSouth);
+  EXPECT_EQ(wood_scan_of(0, scans, verdicts), 2);
+}
+
+TEST(WoodScan, IsNothingWithoutADormantScan) {
+  const std::vector<ScanSeason> scans = {scan("2019-10-01", 0.7), scan("2020-02-01", 3.1)};
+  EXPECT_EQ(wood_scan_of(1, scans, find_dormant_scans(scans, kSouth)), std::nullopt);
+}
+
+TEST(Latitude, IsThatOfTheMiddleOfTheScan) {
+  tile::ScanEntry entry;
+  EXPECT_EQ(latitude_of(entry, "EPSG:7854"), std::nullopt) << "nothing was scanned";
+  entry.origin_bounds = {Eigen::Vector3d(276100, 6099900, 80), Eigen::Vector3d(276200, 6100000, 90)};
+  ASSERT_TRUE(latitude_of(entry, "EPSG:7854"));
+  EXPECT_NEAR(*latitude_of(entry, "EPSG:7854"), -35.22, 0.01);
+  EXPECT_EQ(latitude_of(entry, "EPSG:4326"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace rayfield::density
