@@ -10,6 +10,7 @@
 
 #include "rayfield/core/file.h"
 #include "rayfield/core/map_frame.h"
+#include "rayfield/core/median.h"
 #include "rayfield/formats/formats.h"
 
 namespace rayfield::cli {
@@ -24,15 +25,10 @@ class Place : public SensorSink {
   }
   std::optional<Eigen::Vector3d> position() {
     if (latitude_deg_.empty()) return std::nullopt;
-    return Eigen::Vector3d(median(latitude_deg_), median(longitude_deg_), 0);
+    return Eigen::Vector3d(median_of(latitude_deg_), median_of(longitude_deg_), 0);
   }
 
  private:
-  static double median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  }
   std::vector<double> latitude_deg_, longitude_deg_;
 };
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <random>
 
+#include "rayfield/core/median.h"
+
 namespace rayfield::formats {
 namespace {
 
@@ -20,12 +22,6 @@ constexpr int kFirstPasses = 8;                  // between rings and head, whil
 constexpr std::uint16_t kMostRings = 1024;
 
 double wrapped(double angle) { return angle - 2 * std::numbers::pi * std::nearbyint(angle / (2 * std::numbers::pi)); }
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -62,7 +58,7 @@ bool BeamGeometry::measure_rate() {
     before = &s;
   }
   if (rates.size() < kBins) return false;
-  rate_rad_s_ = median_of(rates);
+  rate_rad_s_ = median_of(std::move(rates));
   first_s_ = last_s_ = samples_.front().time_s;
   for (const Sample& s : samples_) first_s_ = std::min(first_s_, s.time_s), last_s_ = std::max(last_s_, s.time_s);
   return last_s_ > first_s_ && rate_rad_s_ != 0;
@@ -102,7 +98,7 @@ double BeamGeometry::follow_head() {
         static_cast<double>(off[r].second) / static_cast<double>(std::max<std::uint64_t>(1, rings_[r].count));
     if (off[r].second > 0) rings_[r].azimuth = wrapped(rings_[r].azimuth + weight * off[r].first / off[r].second);
   }
-  return median_of(misfit);
+  return median_of(std::move(misfit));
 }
 
 void BeamGeometry::learn(std::span<const Shot> returns) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "formats/sensor_log/point_time.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::formats {
 
@@ -34,13 +35,7 @@ void StampStatistics::add(std::int64_t stamp_ns, std::int64_t log_clock_ns, cons
   if (usual_s_ > 0 && interval_s > 5 * usual_s_ && interval_s > kShortestGap_s) ++gaps_;
 }
 
-double StampStatistics::usual_interval_s() const {
-  if (intervals_s_.empty()) return 0;
-  std::vector<double> sorted = intervals_s_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
-}
+double StampStatistics::usual_interval_s() const { return median_of(intervals_s_, 0); }
 
 void StampStatistics::report(TopicInfo& topic) const {
   topic.messages = messages_;

@@ -5,19 +5,14 @@
 #include <limits>
 #include <numbers>
 
+#include "rayfield/core/median.h"
+
 namespace rayfield::align {
 namespace {
 
-constexpr double kIndexCell = 1.0;     // m; the largest radius of a match
-constexpr double kMatchRadius = 0.25;  // m; what stands further apart is not the same post
-constexpr double kRowReach = 0.75;     // m; of a row around its centreline
-constexpr double kCorridor = 0.7;      // m; width around a row's centreline in which uprights are found
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kIndexCell = 1.0;  // m; the largest radius of a match
+constexpr double kRowReach = 0.75;  // m; of a row around its centreline
+constexpr double kCorridor = 0.7;   // m; width around a row's centreline in which uprights are found
 
 PlanShift inverse(const PlanShift& s) {
   PlanShift back;
@@ -38,7 +33,7 @@ double upright_density(const BlockLandmarks& landmarks) {
     gaps.push_back(std::sqrt(nearest));
     if (gaps.size() >= 200) break;
   }
-  return 1 / (kCorridor * std::max(0.3, median(gaps)));
+  return 1 / (kCorridor * std::max(0.3, median_of(gaps)));
 }
 
 std::vector<Eigen::Vector2d> vertices_of(const BlockLandmarks& landmarks) {
@@ -54,15 +49,63 @@ double log_radius(const Upright& a, const Upright& b) {
   return std::max(-2.0, 0.5 - std::log1p(t * t / 3));
 }
 
-// Standard deviation per axis of distances in plan, those beyond three times the median left out; a Rayleigh
-// distribution has a mean square of 2 σ².
-double spread_of(std::vector<double> distances, double least, double largest) {
-  if (distances.empty()) return largest;
-  const double bound = 3 * median(distances);
-  double sum = 0, count = 0;
-  for (const double d : distances)
-    if (d <= bound) sum += d * d, ++count;
-  return std::clamp(std::sqrt(0.5 * sum / count), least, largest);
+// Uprights of one scan without a partner in the other.
+struct Unmatched {
+  int hidden = 0;  // where the other has a row
+  int beyond = 0;  // where it looked and has none
+};
+
+// `shift` lays the uprights on the other scan, whose rows and cover are given.
+Unmatched count_unmatched(const std::vector<Upright>& uprights, const std::vector<bool>& matched,
+                          const PlanShift& shift, const Cover& rows, const Cover& cover) {
+  Unmatched counts;
+  for (std::size_t i = 0; i < uprights.size(); ++i) {
+    if (matched[i]) continue;
+    const Eigen::Vector2d p = shift * uprights[i].position;
+    if (rows.contains(p)) {
+      ++counts.hidden;
+    } else if (cover.contains(p)) {
+      ++counts.beyond;
+    }
+  }
+  return counts;
+}
+
+// Posts and vines stand in a lattice, so that a shift by a panel lays most of them on others: what tells the places
+// apart is where rows end, how well each upright fits, and, little, which ones are seen.
+//  - Where both have a row, an upright is seen by the other with probability kSeen; one that is not stood at as
+//    predictable a place as those that are, as long as there are no more of them. Its place has the density of a normal
+//    distribution with the hypothesis's own spread σ, on average 1 / (2π·e·σ²).
+//  - Where the other scan looked and has no row, an upright is a ghost (kGhost), anywhere in its strip (density u).
+//  - What only one scan looked at says nothing: density u.
+void weigh_uprights(const LandmarkPair& pair, const PlanShift& shift, Evidence& e) {
+  constexpr double kSeen = 0.62, kGhost = 0.02;
+  constexpr double kLeastSigma = 0.008, kLargestSigma = 0.10;  // m, of a match per axis
+  std::vector<double> distances;
+  std::vector<bool> scan_matched(pair.scan.uprights.size()), reference_matched(pair.reference.uprights.size());
+  for (const Match& m : match_uprights(pair, shift, kMatchRadius_m)) {
+    const auto scan = static_cast<std::size_t>(m.scan), reference = static_cast<std::size_t>(m.reference);
+    distances.push_back(m.distance_m);
+    scan_matched[scan] = reference_matched[reference] = true;
+    e.log_uprights += log_radius(pair.scan.uprights[scan], pair.reference.uprights[reference]);
+  }
+  const Unmatched of_scan =
+      count_unmatched(pair.scan.uprights, scan_matched, shift, pair.reference_rows, pair.reference_cover);
+  const Unmatched of_reference =
+      count_unmatched(pair.reference.uprights, reference_matched, inverse(shift), pair.scan_rows, pair.scan_cover);
+  e.matched = static_cast<int>(distances.size());
+  e.residual_m = median_of(distances);
+  e.beyond = of_scan.beyond + of_reference.beyond;
+  e.shared = 2 * e.matched + of_scan.hidden + of_reference.hidden + e.beyond;
+
+  // Distances in plan have a Rayleigh distribution, whose mean square is 2 σ².
+  const double sigma = distances.empty()
+                           ? kLargestSigma
+                           : std::clamp(std::sqrt(0.5 * trimmed_mean_square(distances)), kLeastSigma, kLargestSigma);
+  const double log_place = -std::log(2 * std::numbers::pi * sigma * sigma) - 1 - std::log(pair.uprights_per_m2);
+  e.log_uprights += e.matched * (log_place + 2 * std::log(kSeen));
+  e.log_uprights += std::min(of_scan.hidden, e.matched) * log_place + of_scan.hidden * std::log(1 - kSeen);
+  e.log_uprights += of_reference.hidden * std::log(1 - kSeen) + e.beyond * std::log(kGhost);
 }
 
 }  // namespace
@@ -76,6 +119,7 @@ LandmarkPair::LandmarkPair(const BlockLandmarks& reference_landmarks, const Bloc
       scan_cover(scan_landmarks.path, reach_m),
       reference_rows(vertices_of(reference_landmarks), kRowReach),
       scan_rows(vertices_of(scan_landmarks), kRowReach) {
+  uprights_per_m2 = upright_density(scan);
   for (const Upright& u : scan.uprights) pivot += u.position / static_cast<double>(scan.uprights.size());
 }
 
@@ -100,6 +144,14 @@ std::vector<Match> match_uprights(const LandmarkPair& pair, const PlanShift& shi
   return matches;
 }
 
+double trimmed_mean_square(std::span<const double> distances) {
+  const double bound = 3 * median_of({distances.begin(), distances.end()});
+  double sum = 0, count = 0;
+  for (const double d : distances)
+    if (d <= bound) sum += d * d, ++count;
+  return sum / count;
+}
+
 GroundAgreement compare_ground(const LandmarkPair& pair, const PlanShift& shift) {
   const Grid2<float>& from = pair.scan.ground;
   const Grid2<float>& to = pair.reference.ground;
@@ -122,70 +174,21 @@ GroundAgreement compare_ground(const LandmarkPair& pair, const PlanShift& shift)
   agreement.area_m2 = static_cast<double>(differences.size()) * from.cell_m * from.cell_m;
   agreement.deviation_m = std::numeric_limits<double>::quiet_NaN();
   if (differences.empty()) return agreement;
-  agreement.offset_m = median(differences);
+  agreement.offset_m = median_of(differences);
   for (double& d : differences) d = std::abs(d - agreement.offset_m);
-  agreement.deviation_m = median(differences);
+  agreement.deviation_m = median_of(differences);
   return agreement;
 }
 
-// Uprights. Posts and vines stand in a lattice, so that a shift by a panel lays most of them on others: what tells the
-// places apart is where rows end, how well each upright fits, and, little, which ones are seen.
-//  - Where both have a row, an upright is seen by the other with probability kSeen; one that is not stood at as
-//    predictable a place as those that are, as long as there are no more of them. Its place has the density of a normal
-//    distribution with the hypothesis's own spread σ, on average 1 / (2π·e·σ²).
-//  - Where the other scan looked and has no row, an upright is a ghost (kGhost), anywhere in its strip (density u).
-//  - What only one scan looked at says nothing: density u.
+// Uprights: see weigh_uprights().
 // Ground: as many independent heights as patches, normal with the hypothesis's own spread.
 // Prior: the shift between two positions by GPS, and the turn that follows from them; beyond eight standard deviations
 // all turns are gross mistakes, and alike.
 Evidence weigh(const LandmarkPair& pair, const PlanShift& shift, const SearchOptions& options) {
-  constexpr double kSeen = 0.62, kGhost = 0.02, kGrossTurn = 8;
-  constexpr double kLeastSigma = 0.008, kLargestSigma = 0.10;          // m, of a match per axis
   constexpr double kPatch = 25, kLeastGround = 0.015, kGround = 0.10;  // m², m, m
+  constexpr double kGrossTurn = 8;
   Evidence e;
-  const std::vector<Match> matches = match_uprights(pair, shift, kMatchRadius);
-  const double log_u = std::log(upright_density(pair.scan));
-  std::vector<double> distances;
-  std::vector<bool> scan_matched(pair.scan.uprights.size()), reference_matched(pair.reference.uprights.size());
-  for (const Match& m : matches) {
-    distances.push_back(m.distance_m);
-    scan_matched[static_cast<std::size_t>(m.scan)] = reference_matched[static_cast<std::size_t>(m.reference)] = true;
-    e.log_uprights += log_radius(pair.scan.uprights[static_cast<std::size_t>(m.scan)],
-                                 pair.reference.uprights[static_cast<std::size_t>(m.reference)]);
-  }
-  e.matched = static_cast<int>(matches.size());
-  e.residual_m = distances.empty() ? std::numeric_limits<double>::quiet_NaN() : median(distances);
-  const double sigma = spread_of(distances, kLeastSigma, kLargestSigma);
-
-  int hidden = 0;  // in a row of both, seen by one
-  for (std::size_t i = 0; i < scan_matched.size(); ++i) {
-    const Eigen::Vector2d p = shift * pair.scan.uprights[i].position;
-    if (scan_matched[i]) continue;
-    if (pair.reference_rows.contains(p)) {
-      ++hidden;
-    } else if (pair.reference_cover.contains(p)) {
-      ++e.beyond;
-    }
-  }
-  const int predictable = std::min(hidden, e.matched);
-  const double log_place = -std::log(2 * std::numbers::pi * sigma * sigma) - 1 - log_u;
-  e.log_uprights += e.matched * (log_place + 2 * std::log(kSeen));
-  e.log_uprights += predictable * log_place + hidden * std::log(1 - kSeen);
-  e.shared = 2 * e.matched + hidden + e.beyond;
-  const PlanShift back = inverse(shift);
-  int missing = 0, missing_beyond = 0;
-  for (std::size_t i = 0; i < reference_matched.size(); ++i) {
-    const Eigen::Vector2d p = back * pair.reference.uprights[i].position;
-    if (reference_matched[i]) continue;
-    if (pair.scan_rows.contains(p)) {
-      ++missing;
-    } else if (pair.scan_cover.contains(p)) {
-      ++missing_beyond;
-    }
-  }
-  e.log_uprights += missing * std::log(1 - kSeen) + (e.beyond + missing_beyond) * std::log(kGhost);
-  e.shared += missing + missing_beyond;
-  e.beyond += missing_beyond;
+  weigh_uprights(pair, shift, e);
 
   e.ground = compare_ground(pair, shift);
   if (e.ground.area_m2 > 0)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "libalign/evidence/cover.h"
@@ -19,6 +20,7 @@ struct LandmarkPair {
   Cover reference_cover, scan_cover;                ///< where each looked closely
   Cover reference_rows, scan_rows;                  ///< where each has rows
   Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< middle of the scan's uprights
+  double uprights_per_m2 = 1;                       ///< of the scan, in the strips in which they are found
 
   LandmarkPair(const BlockLandmarks& reference_landmarks, const BlockLandmarks& scan_landmarks, double reach_m);
 };
@@ -29,9 +31,14 @@ struct Match {
   double distance_m = 0;  ///< in plan, after the shift
 };
 
+inline constexpr double kMatchRadius_m = 0.25;  ///< what stands further apart is not the same post
+
 /// Pairs of uprights that are each other's nearest within `radius_m` (at most 1 m) after the shift, in the scan's
 /// order.
 std::vector<Match> match_uprights(const LandmarkPair& pair, const PlanShift& shift, double radius_m);
+
+/// Mean square of distances, those beyond three times their median left out; NaN without any.
+double trimmed_mean_square(std::span<const double> distances);
 
 /// How the shapes of the ground agree after a shift in plan.
 struct GroundAgreement {

@@ -10,19 +10,12 @@
 #include "libalign/pose/hypotheses.h"
 #include "libalign/pose/pose_fit.h"
 #include "libalign/warp/warp_fit.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::align {
 namespace {
 
 constexpr const char* kCannot = "cannot align the scan";
-constexpr double kMatchRadius = 0.25;  // m
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Moves every ray of a stream.
 class AlignedSource : public RaySource {
@@ -109,11 +102,8 @@ void measure(const LandmarkPair& pair, Alignment& alignment, const std::vector<M
   }
   alignment.landmarks = static_cast<int>(matches.size());
   alignment.warp_rms_m = std::sqrt(bent);
-  alignment.residual_m = median(distances);
-  double sum = 0, count = 0;
-  for (const double d : distances)
-    if (d <= 3 * alignment.residual_m) sum += d * d, ++count;
-  alignment.residual_rms_m = count > 0 ? std::sqrt(sum / count) : 0;
+  alignment.residual_m = median_of(distances);
+  alignment.residual_rms_m = distances.empty() ? 0 : std::sqrt(trimmed_mean_square(distances));
 }
 
 }  // namespace
@@ -156,7 +146,7 @@ Result<Alignment> align_landmarks(const BlockLandmarks& all_of_reference, const 
     return refuse(name, fmt::format("two places fit alike: the second is {} (log-likelihood {:.0f} apart, {:.0f} "
                                     "needed)",
                                     describe(alignment.rivals.front(), reference), alignment.margin, needed));
-  const std::vector<Match> matches = match_uprights(pair, best.pose, kMatchRadius);
+  const std::vector<Match> matches = match_uprights(pair, best.pose, kMatchRadius_m);
   alignment.warp = fit_warp(pair, best.pose, matches, options.warp).warp;
   measure(pair, alignment, matches);
   return alignment;

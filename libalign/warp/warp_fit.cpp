@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rayfield/core/median.h"
+
 namespace rayfield::align {
 namespace {
 
@@ -148,12 +150,6 @@ std::vector<Pull> pulls_of(const LandmarkPair& pair, const PlanShift& pose, cons
   return pulls;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 WarpFit fit_warp(const LandmarkPair& pair, const PlanShift& pose, const std::vector<Match>& matches,
@@ -172,7 +168,7 @@ WarpFit fit_warp(const LandmarkPair& pair, const PlanShift& pose, const std::vec
       warped.push_back((pulls[i].displacement - warp.at(pulls[i].place)).head<2>().norm());
     }
   }
-  fit.rigid_left_out_m = median(rigid), fit.warped_left_out_m = median(warped);
+  fit.rigid_left_out_m = median_of(rigid), fit.warped_left_out_m = median_of(warped);
   if (fit.warped_left_out_m <= (1 - options.min_gain) * fit.rigid_left_out_m)
     fit.warp = solve(pulls, std::vector<bool>(pulls.size(), false), options);
   return fit;

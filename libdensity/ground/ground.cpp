@@ -8,6 +8,7 @@
 #include "libdensity/ground/ground_cells.h"
 #include "libdensity/ground/lower_hull.h"
 #include "libdensity/tiles/rounding.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
@@ -129,10 +130,7 @@ double median_lift(const Surface& s, int halo, int n) {
   for (int y = halo; y < halo + n; ++y)
     for (int x = halo; x < halo + n; ++x)
       if (s.modes.at(x, y).weight > 0) lifts.push_back(s.modes.at(x, y).height_m - s.half.at(2 * x + 1, 2 * y + 1));
-  if (lifts.empty()) return kNaN;
-  const auto middle = lifts.begin() + static_cast<std::ptrdiff_t>(lifts.size() / 2);
-  std::nth_element(lifts.begin(), middle, lifts.end());
-  return *middle;
+  return median_of(std::move(lifts));
 }
 
 void fill_nodes(const Surface& s, int halo, const GroundOptions& options, GroundTile& out) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <tuple>
 
 #include "libdensity/layout/polyline.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
@@ -103,10 +103,7 @@ double row_spacing(std::span<const Row> rows) {
   std::vector<double> distances;
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (same_block(rows[i - 1], rows[i])) distances.push_back(*mean_distance(rows[i - 1], rows[i]));
-  if (distances.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto half = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), half, distances.end());
-  return *half;
+  return median_of(std::move(distances));
 }
 
 }  // namespace rayfield::density

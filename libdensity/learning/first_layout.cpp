@@ -15,6 +15,7 @@
 #include "libdensity/rows/passes.h"
 #include "libdensity/rows/rows.h"
 #include "libdensity/tiles/accumulate.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
@@ -79,20 +80,15 @@ void see_posts(RowLayout& layout, const Row& row, const std::vector<PlacedStem>&
 
 // No vine goes on above the median trunk (rows.md); posts that were not seen are as high and thick as those that were.
 void make_alike(RowLayout& layout) {
-  const auto median = [](std::vector<double> values, double otherwise) {
-    if (values.empty()) return otherwise;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   std::vector<double> tops, heights, radii;
   for (const Trunk& trunk : layout.trunks) tops.push_back(trunk.top_m);
   for (const Post& post : layout.posts)
     if (post.detected) heights.push_back(post.height_m), radii.push_back(post.radius_m);
-  const double top = median(tops, 0);
+  const double top = median_of(tops, 0);
   for (Trunk& trunk : layout.trunks) trunk.top_m = std::min(trunk.top_m, top);
   for (Post& post : layout.posts)
-    if (!post.detected) post.height_m = median(heights, post.height_m), post.radius_m = median(radii, post.radius_m);
+    if (!post.detected)
+      post.height_m = median_of(heights, post.height_m), post.radius_m = median_of(radii, post.radius_m);
 }
 
 // Posts and trunks for rows that were surveyed without posts: found as in rows that were found, on the surveyed line.

@@ -9,6 +9,7 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/registry/layout_store.h"
 #include "libdensity/scan/scan_stages.h"
+#include "rayfield/core/median.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::density {
@@ -47,10 +48,7 @@ double usual_post_spacing(const RowLayout& layout) {
   for (std::size_t i = 1; i < layout.posts.size(); ++i)
     if (layout.posts[i].row == layout.posts[i - 1].row)
       gaps.push_back(layout.posts[i].chainage_m - layout.posts[i - 1].chainage_m);
-  if (gaps.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return median_of(std::move(gaps));
 }
 
 std::vector<Eigen::Vector2d> thinned_path(const std::vector<TileSurvey>& surveys) {

@@ -8,16 +8,10 @@
 #include "libdensity/posts/post_lattice.h"
 #include "libdensity/registry/identity.h"
 #include "libdensity/rows/rows.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
-
-double median(std::vector<double> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool stands(const Identity& identity) { return identity.valid_to.empty(); }
 
@@ -38,7 +32,7 @@ Learner::Learner(RowLayout found, const RegistryOptions& options, const RowOptio
   for (const Post& post : layout_.posts)
     if (post.detected) posts.push_back(post.radius_m);
   for (const Trunk& trunk : layout_.trunks) trunks.push_back(trunk.radius_m);
-  const double post = median(posts, 0), trunk = median(trunks, 0);
+  const double post = median_of(posts, 0), trunk = median_of(trunks, 0);
   constexpr double kTold = 0.006;  // m; less, and thickness does not tell posts from trunks
   if (post - trunk > kTold) least_radius_m_ = 0.5 * (post + trunk);
   name_by_place(layout_, crs_);

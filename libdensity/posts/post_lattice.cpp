@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "rayfield/core/median.h"
+
 namespace rayfield::density {
 namespace {
 
@@ -16,12 +18,6 @@ constexpr double kReach = 0.35;                        // m; least distance at w
 double evidence(const Stem& stem) { return stem.upper_share / kSureShare + std::max(0.0, stem.solidity) / kSureSolid; }
 
 bool maybe_post(const Stem& stem) { return stem.upper_share >= kMaybeShare || stem.solidity >= kMaybeSolid; }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool clearly_thicker(const Stem& stem, const UsualStems& usual) {
   return usual.post_radius_m - usual.trunk_radius_m > 0.006 &&
@@ -194,7 +190,7 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
     const double spacing = gap / std::max(1.0, std::round(gap / widest));
     if (std::abs(spacing - widest) <= kTolerance * widest) spacings.push_back(spacing);
   }
-  const double spacing = median(spacings);
+  const double spacing = median_of(spacings);
   const std::size_t agree = explained(spacing);
   return {spacing, agree >= 4 && 2 * agree > others};
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "libdensity/layout/polyline.h"
@@ -12,6 +11,7 @@
 #include "libdensity/posts/post_lattice.h"
 #include "libdensity/rows/rows.h"
 #include "libdensity/tiles/rounding.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
@@ -71,19 +71,12 @@ double cut_ends(Row& row, const std::vector<PlacedStem>& posts) {
   return start;
 }
 
-double median(std::vector<double> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The usual distance between neighbouring stems: that of the vines, as most stems are theirs.
 double usual_gap(const std::vector<std::vector<PlacedStem>>& stems) {
   std::vector<double> gaps;
   for (const std::vector<PlacedStem>& row : stems)
     for (std::size_t i = 1; i < row.size(); ++i) gaps.push_back(row[i].chainage_m - row[i - 1].chainage_m);
-  return median(std::move(gaps), std::numeric_limits<double>::quiet_NaN());
+  return median_of(std::move(gaps));
 }
 
 struct RowStems {
@@ -97,7 +90,7 @@ void end_trunks_at_usual_height(std::vector<RowStems>& rows) {
   std::vector<double> tops;
   for (const RowStems& row : rows)
     for (const PlacedStem& trunk : row.trunks) tops.push_back(trunk.stem.top_m);
-  const double usual = median(tops, 0);
+  const double usual = median_of(tops, 0);
   for (RowStems& row : rows)
     for (PlacedStem& trunk : row.trunks) trunk.stem.top_m = std::min(trunk.stem.top_m, usual);
 }
@@ -190,9 +183,9 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
         trunk = &placed[r][i];
       }
     }
-    usual.trunk_spacing_m = median(trunk_gaps, std::numeric_limits<double>::quiet_NaN());
-    usual.post_radius_m = median(post_radii, usual.post_radius_m);
-    usual.trunk_radius_m = median(trunk_radii, usual.trunk_radius_m);
+    usual.trunk_spacing_m = median_of(trunk_gaps);
+    usual.post_radius_m = median_of(post_radii, usual.post_radius_m);
+    usual.trunk_radius_m = median_of(trunk_radii, usual.trunk_radius_m);
     for (std::size_t r = 0; r < placed.size(); ++r)
       choices[r] = choose_posts(placed[r], sure[r], usual, layout.rows[r].length_m());
   }
@@ -212,7 +205,7 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
     sorted.push_back(std::move(row));
   }
   end_trunks_at_usual_height(sorted);
-  const double usual_height = median(heights, 1.8), usual_radius = median(radii, 0.05);
+  const double usual_height = median_of(heights, 1.8), usual_radius = median_of(radii, 0.05);
   layout.posts.clear(), layout.trunks.clear();
   for (std::size_t r = 0; r < layout.rows.size(); ++r)
     build_row(layout, layout.rows[r], sorted[r], options, usual_height, usual_radius, report);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rayfield/core/median.h"
+
 namespace rayfield::density {
 namespace {
 
@@ -42,9 +44,7 @@ void MissingRaySource::study_times() {
     if (in_.hit[i] == 0) longest_m_ = std::max(longest_m_, (in_.end[i] - in_.origin[i]).norm());
   }
   if (steps.size() < 100 || steps.size() < in_.size() / 2) return;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  period_s_ = *middle;
+  period_s_ = median_of(steps);
   const auto regular = std::count_if(
       steps.begin(), steps.end(), [this](double s) { return std::abs(s - period_s_) < kPeriodTolerance * period_s_; });
   usable_ = static_cast<double>(regular) > kMinRegular * static_cast<double>(in_.size()) && longest_m_ > 0;

@@ -9,6 +9,7 @@
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/row_order.h"
 #include "libdensity/rows/ridge.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::density {
 namespace {
@@ -26,13 +27,6 @@ bool cross(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vecto
     before = side;
   }
   return false;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Strongest seeds first; one that lies on a ridge already traced adds nothing.
@@ -118,7 +112,7 @@ Result<RowFindings> find_rows(std::span<const PathPoint> path, const CanopyMap& 
     if (refuse(ridge, std::max(driven.back().first, driven.back().second), 0, options).empty())
       strengths.push_back(ridge.strength);
   }
-  const double usual = median(strengths);
+  const double usual = median_of(std::move(strengths), 0);
 
   // The most canopy first, so that a doubtful line gives way to a sure one.
   std::vector<std::size_t> order(ridges.size());

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/solver/median.h"
+#include "rayfield/core/median.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {

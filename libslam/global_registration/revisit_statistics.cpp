@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/solver/median.h"
 #include "libslam/solver/residuals.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::slam {
 namespace {

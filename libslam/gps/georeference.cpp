@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/solver/median.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::slam {
 namespace {

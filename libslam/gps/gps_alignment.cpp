@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/solver/median.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::slam {
 namespace {
@@ -80,7 +80,7 @@ GpsAlignment align_to_gps(const PoseTrack& track, std::span<const GpsPosition> f
     out.enu_from_world = fit(pairs, weights);
     for (std::size_t k = 0; k < pairs.size(); ++k)
       residuals[k] = (out.enu_from_world * pairs[k].world - pairs[k].enu).head<2>().norm();
-    out.median_residual_m = median_of(residuals);
+    out.median_residual_m = median_of(residuals, 0);
     const double scale = 1.5 * std::max(out.median_residual_m, options.min_sigma_m);
     for (std::size_t k = 0; k < pairs.size(); ++k) weights[k] = 1 / (1 + residuals[k] * residuals[k] / (scale * scale));
   }
@@ -109,7 +109,7 @@ GpsOffsetFit fit_gps_offset(const PoseTrack& track, std::span<const GpsPosition>
     const std::vector<OffsetPair> pairs = offset_pairs(track, fixes, lever_arm_m, out.offset_s);
     std::vector<double> size;
     for (const OffsetPair& p : pairs) size.push_back(p.offset.norm());
-    const double scale = 2 * std::max(median_of(size), 0.02);
+    const double scale = 2 * std::max(median_of(std::move(size), 0), 0.02);
     double information = 0, gradient = 0, squares = 0, weights = 0;
     for (const OffsetPair& p : pairs) {
       const double w = 1 / (1 + p.offset.squaredNorm() / (scale * scale));

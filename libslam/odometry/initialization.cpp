@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "libslam/solver/median.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::slam {
 namespace {
@@ -36,7 +36,7 @@ double white_sigma(const std::vector<Eigen::Vector3d>& samples) {
     for (std::size_t k = 0; k + 4 < samples.size(); ++k)
       differences.push_back(std::abs(samples[k][axis] - 4 * samples[k + 1][axis] + 6 * samples[k + 2][axis] -
                                      4 * samples[k + 3][axis] + samples[k + 4][axis]));
-    sigma[static_cast<std::size_t>(axis)] = 1.4826 * median_of(std::move(differences)) / std::sqrt(70.0);
+    sigma[static_cast<std::size_t>(axis)] = 1.4826 * median_of(std::move(differences), 0) / std::sqrt(70.0);
   }
   std::sort(sigma.begin(), sigma.end());
   return sigma[1];

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "libslam/solver/median.h"
+#include "rayfield/core/median.h"
 
 namespace rayfield::slam {
 namespace {
