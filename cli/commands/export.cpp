@@ -50,11 +50,12 @@ void add_export_command(Commands& commands) {
                                    [arguments](Context& context) { return run_export(*arguments, context); });
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
-  command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
+  add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
   command->add_option("--snapshot", arguments->snapshot,
                       "Number of the snapshot to export, see `rayfield log` (default: the newest)");
   command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));
 }
 

@@ -109,21 +109,32 @@ void add_process_command(Commands& commands) {
       commands.add("process", "Ground, rows, panels, voxels and density; only what changed", "rayfield process myblock",
                    [arguments](Context& context) { return run_process(*arguments, context); });
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
-  command->add_option("--date", arguments->dates, "Only these dates or scans (default: all)");
-  command->add_option("--voxel-size", arguments->voxel_m,
-                      "Side of a voxel, m (default: fitted to the leaves, 0.06 to 0.12)");
-  command->add_option("--estimator", arguments->estimator, "unbiased (the default), or paper (the published method)");
-  command->add_option("--leaf-area", arguments->leaf_size_m2,
-                      "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan (the default)");
-  command->add_option("--leaf-angles", arguments->leaf_angles,
-                      "Leaf angle distribution: spherical (the default), uniform, planophile, erectophile, "
-                      "plagiophile, extremophile, ellipsoidal");
-  command->add_option("--ellipsoid-ratio", arguments->ellipsoid_ratio,
-                      "Of ellipsoidal leaf angles: horizontal over vertical semi-axis (default: 1)");
-  command->add_option(
-      "--sure-return", arguments->sure_return_m,
-      "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack those that came "
-      "back from nowhere; 0: count all, as is done where a scan holds them");
+  add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
+  const auto valid = valid_for<density::ProcessOptions>;
+  command
+      ->add_option("--voxel-size", arguments->voxel_m,
+                   "Side of a voxel, m (default: fitted to the leaves, 0.06 to 0.12)")
+      ->check(valid("segments.voxel_m"));
+  command->add_option("--estimator", arguments->estimator, "unbiased (the default), or paper (the published method)")
+      ->check(valid("estimator.estimator"));
+  command
+      ->add_option("--leaf-area", arguments->leaf_size_m2,
+                   "Area of one leaf, m²; 0: infinitesimal leaves; below 0: measured from the scan (the default)")
+      ->check(valid("estimator.leaf_size_m2"));
+  command
+      ->add_option("--leaf-angles", arguments->leaf_angles,
+                   "Leaf angle distribution: spherical (the default), uniform, planophile, erectophile, plagiophile, "
+                   "extremophile, ellipsoidal")
+      ->check(valid("voxels.leaf_angles.type"));
+  command
+      ->add_option("--ellipsoid-ratio", arguments->ellipsoid_ratio,
+                   "Of ellipsoidal leaf angles: horizontal over vertical semi-axis (default: 1)")
+      ->check(valid("voxels.leaf_angles.ellipsoid_ratio"));
+  command
+      ->add_option("--sure-return", arguments->sure_return_m,
+                   "Leave out rays that go down and would not meet the ground within this distance, m: clouds lack "
+                   "those that came back from nowhere; 0: count all, as is done where a scan holds them")
+      ->check(valid("voxels.sure_return_m"));
   command
       ->add_option("--panel-length", arguments->panel_length_m,
                    "Length of a panel, m (default: between the posts found)")

@@ -83,7 +83,7 @@ void add_simulate_command(Commands& commands) {
       [arguments](Context& context) { return run_simulate(*arguments, context); });
   command->add_option("SITE.toml", arguments->site, "The vineyard and its scans (docs/simulation.md)")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
-  command->add_option("--date", arguments->dates, "Only these dates, or scans as date_name (default: all)");
+  add_dates_option(*command, arguments->dates, "Only these dates, or scans as date_name (default: all)");
   command->add_flag("!--no-log", arguments->output.log, "Leave out scan.bag and rig.toml");
   command->add_flag("!--no-rays", arguments->output.rays, "Leave out rays.ply");
 }

@@ -31,6 +31,13 @@ Result<std::uint64_t> parse_memory(const std::string& text) {
   return static_cast<std::uint64_t>(bytes);
 }
 
+void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const std::string& meaning) {
+  command.add_option("--date", dates, meaning)
+      ->type_name("DATE[,DATE...]")
+      ->delimiter(',')
+      ->allow_extra_args(false);  // what follows is no date but, say, the store
+}
+
 CLI::App* Commands::add(const std::string& name, const std::string& description, const std::string& example,
                         std::function<Result<Outcome>(Context&)> run) {
   CLI::App* command = app_.add_subcommand(name, description);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "cli/console/progress_reporter.h"
 #include "rayfield/core/result.h"
@@ -57,6 +58,9 @@ class Commands {
   CommonOptions options_;
   std::vector<Command> commands_;
 };
+
+/// `--date`, which picks some of several scans: given several times or as a list with commas.
+void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const std::string& meaning);
 
 /// "4G", "512M", "1.5GiB", "1000000" → bytes (binary multiples). Errors: usage.
 Result<std::uint64_t> parse_memory(const std::string& text);

@@ -148,6 +148,28 @@ TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
   EXPECT_THAT(refused.err, HasSubstr("bad.toml:2"));
 }
 
+TEST_F(CommandLine, OneDateOptionTakesOneValueOrAListWithCommas) {
+  for (const auto& [date, rays] : {std::pair{"2021-05-01", 50}, {"2021-06-01", 60}, {"2021-07-01", 70}})
+    ASSERT_EQ(
+        rayfield({"add", store(), put(std::string(date) + ".ply", lane_cloud(rays)), "--date", date, "--no-align"})
+            .exit_code,
+        0);
+  const auto chosen = [&](const std::vector<std::string>& dates) {
+    std::vector<std::string> arguments{"process", "--dry-run", "--json"};
+    arguments.insert(arguments.end(), dates.begin(), dates.end());
+    arguments.push_back(store());
+    const Outcome run = rayfield(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out)["scans"].get<std::vector<std::string>>();
+  };
+  const std::vector<std::string> two = {"2021-05-01", "2021-07-01"};
+  EXPECT_EQ(chosen({"--date", "2021-07-01"}), std::vector<std::string>{"2021-07-01"});
+  EXPECT_EQ(chosen({"--date=2021-05-01,2021-07-01"}), two);
+  EXPECT_EQ(chosen({"--date", "2021-05-01", "--date", "2021-07-01"}), two);
+  expect_refused(rayfield({"export", "--date", "2021-07-01", "--format", "png", store(), "-o", folder_.path("maps")}),
+                 2, "not been processed");
+}
+
 TEST_F(CommandLine, JsonIsOneDocumentAlsoForErrors) {
   const Outcome good = rayfield({"status", store(), "--json"});
   EXPECT_TRUE(nlohmann::json::accept(good.out));
