@@ -17,6 +17,7 @@ namespace {
 
 using rayfield::Error;
 using rayfield::ErrorCode;
+using rayfield::cli::with_config_place;
 
 int report(const Error& error, bool json) {
   fmt::print(stderr, "rayfield: {}\n", error.line());
@@ -62,15 +63,15 @@ int run(int argc, char** argv) {
   if (!expanded) return report(expanded.error(), json);
 
   try {
-    std::vector<std::string> reversed(expanded->rbegin(), expanded->rend());
+    std::vector<std::string> reversed(expanded->arguments.rbegin(), expanded->arguments.rend());
     app.parse(reversed);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
-    return report(usage_error(app, arguments, e), json);
+    return report(with_config_place(usage_error(app, arguments, e), expanded->places), json);
   }
 
   const auto outcome = commands.run_parsed(command_line);
-  if (!outcome) return report(outcome.error(), commands.options().json);
+  if (!outcome) return report(with_config_place(outcome.error(), expanded->places), commands.options().json);
   if (commands.options().json) {
     fmt::print("{}\n", outcome->data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!commands.options().quiet) {

@@ -138,9 +138,11 @@ void add_process_command(Commands& commands) {
   command
       ->add_option("--panel-length", arguments->panel_length_m,
                    "Length of a panel, m (default: between the posts found)")
-      ->check(CLI::Range(0.5, 200.0));
-  command->add_option("--raster-cell", arguments->raster_cell_m,
-                      fmt::format("Cell of the maps, m (default: {})", density::PlanRasterOptions().cell_m));
+      ->check(valid("posts.panel_length_m"));
+  command
+      ->add_option("--raster-cell", arguments->raster_cell_m,
+                   fmt::format("Cell of the maps, m (default: {})", density::PlanRasterOptions().cell_m))
+      ->check(valid("plan.cell_m"));
   add_settings_option(*command, arguments->settings);
 }
 

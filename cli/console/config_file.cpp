@@ -5,8 +5,10 @@
 
 #include <toml++/toml.h>
 #include <algorithm>
+#include <cctype>
 #include <set>
 
+#include "cli/console/option_settings.h"
 #include "rayfield/core/text_file.h"
 
 namespace rayfield::cli {
@@ -39,74 +41,122 @@ Result<std::vector<std::string>> option_values(const toml::node& node, const std
   return values;
 }
 
-// Options of the algorithms (docs/options.md) in tables below the command's: [process.posts] min_contrast = 2.5 is
-// `--set posts.min_contrast=2.5`.
-Result<void> append_settings(const toml::table& table, const std::string& prefix, const std::string& path,
-                             std::vector<std::string>& out) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + std::string(key.str());
-    if (const toml::table* inner = node.as_table()) {
-      RAYFIELD_CHECK(append_settings(*inner, name + ".", path, out));
-      continue;
-    }
-    RAYFIELD_ASSIGN(const std::vector<std::string> values,
-                    option_values(node, fmt::format("{}:{}: '{}'", path, node.source().begin.line, name)));
-    const std::string value = node.is_array() ? fmt::format("[{}]", fmt::join(values, ",")) : values.front();
-    out.push_back(fmt::format("--set={}={}", name, value));
-  }
-  return {};
-}
-
 bool given(const std::vector<std::string>& arguments, const std::string& option) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& argument) {
     return argument == option || argument.rfind(option + "=", 0) == 0;
   });
 }
 
-Result<void> append_table(const CLI::App& command, const toml::table& table, const std::string& path, bool skip_tables,
-                          const std::vector<std::string>& given_arguments, std::vector<std::string>& out) {
-  for (const auto& [key, node] : table) {
-    if (skip_tables && node.is_table()) continue;
-    const std::string name(key.str());
-    if (node.is_table() && command.get_option_no_throw("--set") != nullptr) {
-      RAYFIELD_CHECK(append_settings(*node.as_table(), name + ".", path, out));
-      continue;
+// The keys that the command line sets itself.
+std::set<std::string> settings_of(const std::vector<std::string>& arguments) {
+  std::set<std::string> keys;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    std::string setting;
+    if (arguments[i] == "--set" && i + 1 < arguments.size()) setting = arguments[i + 1];
+    if (arguments[i].rfind("--set=", 0) == 0) setting = arguments[i].substr(6);
+    if (const auto parsed = parse_setting(setting)) keys.insert(parsed->first);
+  }
+  return keys;
+}
+
+// Collects the options of a file for one command.
+class FileOptions {
+ public:
+  FileOptions(const CLI::App& command, const std::string& path, const std::vector<std::string>& given_arguments)
+      : command_(command), path_(path), given_(given_arguments), given_keys_(settings_of(given_arguments)) {}
+
+  Result<void> add_table(const toml::table& table, bool skip_tables) {
+    for (const auto& [key, node] : table) {
+      const std::string name(key.str());
+      if (!node.is_table()) {
+        RAYFIELD_CHECK(add_option(name, node));
+      } else if (!skip_tables) {
+        RAYFIELD_CHECK(command_.get_option_no_throw("--set") == nullptr ? add_option(name, node)
+                                                                        : add_settings(*node.as_table(), name + "."));
+      }
     }
-    const std::string where = fmt::format("{}:{}: '{}'", path, node.source().begin.line, name);
-    const CLI::Option* option = command.get_option_no_throw("--" + name);
+    return {};
+  }
+
+  const std::vector<std::string>& arguments() const { return arguments_; }
+  const ConfigPlaces& places() const { return places_; }
+
+ private:
+  std::string place(const toml::node& node, const std::string& name) const {
+    return fmt::format("{}:{}: '{}'", path_, node.source().begin.line, name);
+  }
+
+  // Options of the algorithms (docs/options.md) in tables below the command's: [process.posts] min_contrast = 2.5 is
+  // `--set posts.min_contrast=2.5`.
+  Result<void> add_settings(const toml::table& table, const std::string& prefix) {
+    for (const auto& [key, node] : table) {
+      const std::string name = prefix + std::string(key.str());
+      if (const toml::table* inner = node.as_table()) {
+        RAYFIELD_CHECK(add_settings(*inner, name + "."));
+        continue;
+      }
+      RAYFIELD_ASSIGN(const std::vector<std::string> values, option_values(node, place(node, name)));
+      if (given_keys_.count(name) > 0) continue;
+      const std::string value = node.is_array() ? fmt::format("[{}]", fmt::join(values, ",")) : values.front();
+      arguments_.push_back(fmt::format("--set={}={}", name, value));
+      places_[name] = place(node, name);
+    }
+    return {};
+  }
+
+  Result<void> add_option(const std::string& name, const toml::node& node) {
+    const std::string where = place(node, name);
+    const CLI::Option* option = command_.get_option_no_throw("--" + name);
     if (option == nullptr || name == "config" || name == "help")
       return fail(ErrorCode::usage, "unknown key in configuration", where,
-                  fmt::format("`rayfield {}` has no such option", command.get_name()),
-                  fmt::format("see `rayfield {} --help`", command.get_name()));
-    if (given(given_arguments, "--" + name)) continue;
+                  fmt::format("`rayfield {}` has no such option", command_.get_name()),
+                  fmt::format("see `rayfield {} --help`", command_.get_name()));
+    if (given(given_, "--" + name)) return {};
     RAYFIELD_ASSIGN(const std::vector<std::string> values, option_values(node, where));
     if (option->get_expected_max() == 0) {  // a flag
       if (values.size() == 1 && values.front() == "true")
-        out.push_back("--" + name);
+        arguments_.push_back("--" + name);
       else if (values.size() != 1 || values.front() != "false")
         return fail(ErrorCode::usage, "bad configuration", where, "this option is either true or false", "");
-      continue;
+      return {};
     }
-    for (const std::string& value : values) out.push_back(fmt::format("--{}={}", name, value));
+    for (const std::string& value : values) arguments_.push_back(fmt::format("--{}={}", name, value));
+    places_["--" + name] = where;
+    return {};
   }
-  return {};
+
+  const CLI::App& command_;
+  const std::string& path_;
+  const std::vector<std::string>& given_;
+  std::set<std::string> given_keys_;
+  std::vector<std::string> arguments_;
+  ConfigPlaces places_;
+};
+
+// Whether a message speaks of an option, and not of one whose name only begins alike.
+bool names_option(const std::string& message, const std::string& option) {
+  for (std::size_t at = message.find(option); at != std::string::npos; at = message.find(option, at + 1)) {
+    const char next = at + option.size() < message.size() ? message[at + option.size()] : ' ';
+    if (next != '-' && std::isalnum(static_cast<unsigned char>(next)) == 0) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 // Finds --config by itself, since the arguments can only be parsed once the file's options are among them.
-Result<std::vector<std::string>> expand_config(const CLI::App& app, std::vector<std::string> arguments) {
+Result<ExpandedArguments> expand_config(const CLI::App& app, std::vector<std::string> arguments) {
   std::string path;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i] == "--config" && i + 1 < arguments.size()) path = arguments[i + 1];
     if (arguments[i].rfind("--config=", 0) == 0) path = arguments[i].substr(9);
   }
-  if (path.empty() || arguments.empty()) return arguments;
+  if (path.empty() || arguments.empty()) return ExpandedArguments{std::move(arguments), {}};
   const CLI::App* command = nullptr;
   for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (candidate->get_name() == arguments.front()) command = candidate;
   }
-  if (command == nullptr) return arguments;
+  if (command == nullptr) return ExpandedArguments{std::move(arguments), {}};
 
   RAYFIELD_ASSIGN(const std::string text, read_text_file(path, "cannot read configuration"));
   RAYFIELD_CHECK(check_toml_text(text, "bad configuration", path));
@@ -117,7 +167,6 @@ Result<std::vector<std::string>> expand_config(const CLI::App& app, std::vector<
     return fail(ErrorCode::usage, "bad configuration", fmt::format("{}:{}", path, e.source().begin.line),
                 e.description(), "");
   }
-  std::vector<std::string> extra;
   std::set<std::string> names;
   for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; }))
     names.insert(candidate->get_name());
@@ -127,11 +176,22 @@ Result<std::vector<std::string>> expand_config(const CLI::App& app, std::vector<
                   fmt::format("{}:{}: [{}]", path, node.source().begin.line, key.str()), "no command has this name",
                   "");
   }
-  RAYFIELD_CHECK(append_table(*command, root, path, true, arguments, extra));
-  if (const toml::table* own = root[command->get_name()].as_table())
-    RAYFIELD_CHECK(append_table(*command, *own, path, false, arguments, extra));
-  arguments.insert(arguments.begin() + 1, extra.begin(), extra.end());
-  return arguments;
+  FileOptions options(*command, path, arguments);
+  RAYFIELD_CHECK(options.add_table(root, true));
+  if (const toml::table* own = root[command->get_name()].as_table()) RAYFIELD_CHECK(options.add_table(*own, false));
+  ExpandedArguments expanded{arguments, options.places()};
+  expanded.arguments.insert(expanded.arguments.begin() + 1, options.arguments().begin(), options.arguments().end());
+  return expanded;
+}
+
+Error with_config_place(Error error, const ConfigPlaces& places) {
+  if (error.code != ErrorCode::usage) return error;
+  for (const auto& [name, place] : places)
+    if (error.where == name || (name.rfind("--", 0) == 0 && names_option(error.why, name))) {
+      error.where = place;
+      break;
+    }
+  return error;
 }
 
 }  // namespace rayfield::cli

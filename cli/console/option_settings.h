@@ -20,6 +20,17 @@ OptionValue parse_option_value(const std::string& text);
 /// "key=value" cut at the first '='. Errors: usage.
 Result<std::pair<std::string, OptionValue>> parse_setting(const std::string& setting);
 
+/// For a flag that stands for the option `key`: refuses what --set would refuse, in the same words.
+template <class Options>
+CLI::Validator valid_for(const std::string& key) {
+  const auto check = [key](const std::string& text) {
+    Options options;
+    const Result<void> set = set_option(options, key, parse_option_value(text), "bad option");
+    return set ? std::string() : set.error().why;
+  };
+  return CLI::Validator(check, "");
+}
+
 /// Applies settings in their order. Errors: usage, with the key.
 template <class Options>
 Result<void> apply_settings(const std::vector<std::string>& settings, Options& options) {

@@ -138,7 +138,7 @@ TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
 TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
   ASSERT_EQ(rayfield({"add", store(), put("a.ply", lane_cloud(50)), "--date", "2021-05-01"}).exit_code, 0);
   const std::string good = put("good.toml", "threads = 1\n[process]\nvoxel-size = -1.0\n");
-  expect_refused(rayfield({"process", store(), "--config", good}), 2, "voxel");
+  expect_refused(rayfield({"process", store(), "--config", good}), 2, "good.toml:3: 'voxel-size'");
   const std::string wins = put("wins.toml", "[process]\nvoxel-size = -1.0\n");
   const Outcome given = rayfield({"process", store(), "--config", wins, "--voxel-size", "0.12", "-q"});
   EXPECT_EQ(given.exit_code, 3) << "the command line wins, and the scan has no rows: " << given.err;

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.h"
@@ -50,6 +51,38 @@ TEST_F(Settings, WrongKeysKindsAndRangesAreRefusedWithTheKey) {
   expect_refused({"--set", "posts.contrast=2"}, "posts.contrast", "no such option");
   expect_refused({"--set", "posts.min_contrast"}, "posts.min_contrast", "KEY=VALUE");
   expect_refused({"--set", "estimator.estimator=best"}, "estimator.estimator", "unbiased, paper");
+}
+
+TEST_F(Settings, FlagsThatStandForAnOptionRefuseWhatItRefuses) {
+  expect_refused({"--panel-length", "0.1"}, "--panel-length", "0.1 is outside");
+  expect_refused({"--estimator", "best"}, "--estimator", "unbiased, paper");
+  expect_refused({"--leaf-area", "large"}, "--leaf-area", "number");
+}
+
+TEST_F(Settings, WrongValuesInAConfigurationFileAreNamedWithFileAndLine) {
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"[process.posts]\nmin_contrast = 100.0\n", "c.toml:2: 'posts.min_contrast'", "outside"},
+      {"\n[process.posts]\n\nmin_contrast = \"high\"\n", "c.toml:4: 'posts.min_contrast'", "number"},
+      {"[process.pots]\nmin_contrast = 2.5\n", "c.toml:2: 'pots.min_contrast'", "no such option"},
+      {"[process.voxels.leaf_angles]\ntype = \"flat\"\n", "c.toml:2: 'voxels.leaf_angles.type'", "planophile"},
+      {"quiet = true\nthreads = 0\n", "c.toml:2: 'threads'", "0"},
+      {"[process]\n\npanel-length = \"long\"\n", "c.toml:3: 'panel-length'", "number"},
+      {"[process]\nmemory = \"much\"\n", "c.toml:2: 'memory'", "not an amount of memory"},
+      {"[process]\nvoxel-size = 0.1\nraster-cell = 99\n", "c.toml:3: 'raster-cell'", "outside"}};
+  for (const auto& [text, place, why] : cases) {
+    SCOPED_TRACE(text);
+    write_file(folder_.path("c.toml"), text);
+    expect_refused({"--config", folder_.path("c.toml")}, place, why);
+  }
+}
+
+TEST_F(Settings, AWrongValueOfTheCommandLineIsNotBlamedOnTheConfigurationFile) {
+  write_file(folder_.path("c.toml"), "[process]\npanel-length = 7.5\n[process.posts]\nmin_contrast = 2.5\n");
+  for (const char* wrong : {"--set=posts.min_contrast=100", "--panel-length=0.1"}) {
+    const Outcome run = rayfield({"process", store(), "--config", folder_.path("c.toml"), wrong});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, testing::Not(HasSubstr("c.toml")));
+  }
 }
 
 TEST_F(Settings, TablesBelowTheCommandsInAConfigurationFileAreTheSameAndTheCommandLineWins) {
