@@ -45,6 +45,7 @@ std::optional<PointCloud2View> decode_point_cloud2(std::span<const std::byte> me
   cloud.data = cursor.take_counted();
   cursor.get<std::uint8_t>();  // is_dense; points are checked one by one anyway
   if (cursor.failed() || cursor.remaining() != 0) return std::nullopt;
+  if (cloud.points() == 0) cloud.height = cloud.width = 0;  // four billion empty rows are no work
   // Products of two u32 fit into u64, so nothing here can overflow.
   const std::uint64_t row_bytes = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.height == 1) cloud.row_step = static_cast<std::uint32_t>(std::min<std::uint64_t>(row_bytes, UINT32_MAX));

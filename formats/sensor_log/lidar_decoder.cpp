@@ -19,6 +19,11 @@ constexpr double kLongestSweep_s = 10.0;
 /// Under no_return = max_range, ranges this close to it count as none: cartesian points round.
 constexpr double kMaxRangeShare = 1.0 - 1e-4;
 
+/// A field may hold anything, NaN too.
+std::uint16_t ring_number(double value) {
+  return value > 0 ? static_cast<std::uint16_t>(std::min(value, 65535.0)) : std::uint16_t{0};
+}
+
 }  // namespace
 
 /// A raw range after REP 117 and the rig's limits, counted.
@@ -134,9 +139,9 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
         counts_.zeros += range_m == 0;
         continue;
       }
-      const auto number = static_cast<std::uint16_t>(ring != nullptr     ? std::clamp(ring->value(point), 0.0, 65535.0)
-                                                     : cloud->height > 1 ? row
-                                                                         : 0);
+      const auto number = ring != nullptr     ? ring_number(ring->value(point))
+                          : cloud->height > 1 ? static_cast<std::uint16_t>(row)
+                                              : std::uint16_t{0};
       const auto offset = static_cast<float>(offset_s);
       const Eigen::Vector3f direction = placed ? Eigen::Vector3f((p / range_m).cast<float>()) : Eigen::Vector3f::Zero();
       if (placed)

@@ -164,15 +164,16 @@ Result<void> ReorderBuffer::pop(SensorKind kind) {
     recycle(std::move(message.data));
     return {};
   }
-  // A lidar may send a sweep in several messages of one stamp; the other sensors cannot measure twice at once.
-  if (from.delivered_any && message.stamp_ns == from.last_stamp_ns &&
+  // Stamps are delivered in seconds, where those within 0.24 µs of each other can be the same. A lidar may send a sweep
+  // in several messages of one stamp; the other sensors cannot measure twice at once.
+  const double stamp_s = seconds_from_ns(message.stamp_ns);
+  if (from.delivered_any && stamp_s == seconds_from_ns(from.last_stamp_ns) &&
       (kind != SensorKind::lidar || message.data == from.last_data)) {
     ++from.counts.duplicates;
     recycle(std::move(message.data));
     return {};
   }
   LogSegment& segment = from.segments[from.segment];
-  const double stamp_s = seconds_from_ns(message.stamp_ns);
   if (segment.messages == 0) segment.first_s = stamp_s;
   segment.last_s = stamp_s;
   ++segment.messages;

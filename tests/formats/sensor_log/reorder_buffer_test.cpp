@@ -39,6 +39,20 @@ TEST(ReorderBuffer, DeliversADuplicateOnce) {
   EXPECT_EQ(report->topic(SensorKind::lidar).duplicates, 1U);
 }
 
+// At 1.7·10⁹ s doubles are 238 ns apart.
+TEST(ReorderBuffer, TakesStampsThatAreTheSameInSecondsForOne) {
+  constexpr std::uint32_t kSeconds = 1'700'000'000;
+  std::string records = connections();
+  for (const std::uint32_t stamp_ns : {1'000'000U, 1'000'040U, 1'000'500U, 2'000'000U})
+    records += message(0, kSeconds, 2'000'000, imu(kSeconds, stamp_ns));
+  Collected got;
+  const auto report = read(records, lidar_rig(), got, any_sensors());
+  ASSERT_TRUE(report) << report.error().line();
+  ASSERT_EQ(got.imus.size(), 3U);
+  for (std::size_t i = 1; i < got.imus.size(); ++i) EXPECT_LT(got.imus[i - 1].time_s, got.imus[i].time_s);
+  EXPECT_EQ(report->topic(SensorKind::imu).duplicates, 1U);
+}
+
 TEST(ReorderBuffer, LeavesOutASingleStrayStamp) {
   for (const double stray : {2.0, 9000.0}) {
     Collected got;
