@@ -195,7 +195,7 @@ Result<void> take_vector_file(GDALDataset& dataset, const OGRSpatialReference& c
     const std::string name = layer->GetName();
     if (ours && name != "vine_row" && name != "post") continue;
     if (layer->GetGeomType() == wkbNone) continue;
-    RAYFIELD_CHECK(take_layer(*layer, crs, path + " layer " + name, out));
+    RAYFIELD_CHECK(take_layer(*layer, crs, fmt::format("{} layer {}", path, name), out));
   }
   return {};
 }
@@ -275,10 +275,10 @@ Result<void> check_places(const SurveyedBlock& block, const OGRSpatialReference&
 }
 
 Result<SurveyedBlock> read(const std::string& path, const std::string& code) {
-  static const std::map<std::string, const char*> drivers = {
+  static const std::map<std::string, const char*> kDrivers = {
       {".gpkg", "GPKG"}, {".geojson", "GeoJSON"}, {".json", "GeoJSON"}, {".csv", "CSV"}};
-  const auto driver = drivers.find(ending_of(path));
-  if (driver == drivers.end())
+  const auto driver = kDrivers.find(ending_of(path));
+  if (driver == kDrivers.end())
     return fail(ErrorCode::usage, kWhat, path, "unknown kind of file", "give a .gpkg, .geojson or .csv");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return refused(path, "there is no such file", "check the path");

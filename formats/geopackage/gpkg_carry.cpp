@@ -57,7 +57,7 @@ class Carrier {
     RAYFIELD_CHECK(copy_rows(table, "1"));
     for (const std::string& column :
          old("SELECT column_name FROM old.gpkg_geometry_columns WHERE table_name = " + name)) {
-      const std::string tree = "rtree_" + table + "_" + column;
+      const std::string tree = fmt::format("rtree_{}_{}", table, column);
       const Names made = old("SELECT sql FROM old.sqlite_master WHERE name = " + sql_literal(tree));
       if (made.empty()) continue;
       RAYFIELD_CHECK(run(made.front()));

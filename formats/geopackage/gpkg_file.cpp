@@ -10,11 +10,11 @@ namespace {
 
 /// True for `YYYY-MM-DDThh:mm:ss.sssZ`, the only form that GeoPackage 1.2 takes for times.
 bool is_utc_text(const std::string& text) {
-  constexpr std::string_view pattern = "0000-00-00T00:00:00.000Z";
-  if (text.size() != pattern.size()) return false;
-  for (std::size_t i = 0; i < pattern.size(); ++i) {
+  constexpr std::string_view kPattern = "0000-00-00T00:00:00.000Z";
+  if (text.size() != kPattern.size()) return false;
+  for (std::size_t i = 0; i < kPattern.size(); ++i) {
     const bool digit = text[i] >= '0' && text[i] <= '9';
-    if (pattern[i] == '0' ? !digit : text[i] != pattern[i]) return false;
+    if (kPattern[i] == '0' ? !digit : text[i] != kPattern[i]) return false;
   }
   return parse_date(text.substr(0, 10)).has_value();
 }

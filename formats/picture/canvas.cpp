@@ -62,12 +62,12 @@ cairo_status_t append_bytes(void* closure, const unsigned char* data, unsigned l
 /// Cairo numbers surfaces through the life of the process ("surface459"): numbered here through the file instead, so
 /// that equal drawings are equal bytes.
 std::string renumber_surfaces(const std::string& svg) {
-  constexpr std::string_view name = "surface";
+  constexpr std::string_view kName = "surface";
   std::map<std::string, std::size_t> numbers;
   std::string out;
   std::size_t at = 0;
-  for (std::size_t found; (found = svg.find(name, at)) != std::string::npos;) {
-    const std::size_t begin = found + name.size();
+  for (std::size_t found; (found = svg.find(kName, at)) != std::string::npos;) {
+    const std::size_t begin = found + kName.size();
     const std::size_t end = std::min(svg.size(), svg.find_first_not_of("0123456789", begin));
     out.append(svg, at, begin - at);
     if (end > begin) {

@@ -62,6 +62,8 @@ double piece_length(double length_m, double available_m) {
   return length_m;
 }
 
+int piece_count(double length_m, double piece_m) { return static_cast<int>(std::ceil((length_m - 1e-6) / piece_m)); }
+
 /// Cuts the sections into pieces that fit the width at this scale and sets them line by line; returns the height used.
 double set_pieces(std::span<const LabelledSection> sections, Stack& stack, double available_px) {
   stack.pieces.clear();
@@ -71,7 +73,8 @@ double set_pieces(std::span<const LabelledSection> sections, Stack& stack, doubl
     const Vector2d range = x_range(s.section->grid);
     const double length = range.y() - range.x();
     const double share = piece_length(length, available_px / stack.px_per_m);
-    for (double begin = range.x(); begin < range.y() - 1e-6; begin += share) {
+    for (int k = 0; k < piece_count(length, share); ++k) {
+      const double begin = range.x() + k * share;
       Piece piece{&s, begin, std::min(begin + share, range.y()), begin > range.x(), {}, false};
       const double width = stack.px_per_m * (piece.end_m - piece.begin_m);
       if (!line_empty && x + width > available_px + 1) {
@@ -105,7 +108,8 @@ double set_stacked(std::span<const LabelledSection> sections, Stack& stack, doub
   const Vector2d range = common_range(sections);
   const double share = piece_length(range.y() - range.x(), available_px / stack.px_per_m);
   double y = stack.top;
-  for (double begin = range.x(); begin < range.y() - 1e-6; begin += share) {
+  for (int k = 0; k < piece_count(range.y() - range.x(), share); ++k) {
+    const double begin = range.x() + k * share;
     for (const LabelledSection& s : sections) {
       Piece piece{&s, begin, std::min(begin + share, range.y()), begin > range.x(), {}, true};
       piece.corner = {std::round(stack.left), std::round(y + 34 * stack.unit)};

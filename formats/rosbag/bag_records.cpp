@@ -52,7 +52,7 @@ Result<RecordProbe> read_bag_record(FileWindow& window, std::uint64_t offset, st
 
 Result<std::optional<std::uint64_t>> find_bag_record(FileWindow& window, std::uint64_t from) {
   // Every record has a field op of one byte: its length 4, then "op=", then the number.
-  constexpr std::string_view pattern("\x04\0\0\0op=", 7);
+  constexpr std::string_view kPattern("\x04\0\0\0op=", 7);
   const std::uint64_t file_bytes = window.file().size();
   for (std::uint64_t block = from; block < file_bytes; block += kScanBlock) {
     // Blocks overlap so that no header is cut in two.
@@ -60,7 +60,7 @@ Result<std::optional<std::uint64_t>> find_bag_record(FileWindow& window, std::ui
     RAYFIELD_ASSIGN(const std::span<const std::byte> bytes,
                     window.view(start, kScanBlock + kFieldsBefore + kMaxRecordHeader + 8));
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    for (std::size_t hit = text.find(pattern); hit != std::string_view::npos; hit = text.find(pattern, hit + 1)) {
+    for (std::size_t hit = text.find(kPattern); hit != std::string_view::npos; hit = text.find(kPattern, hit + 1)) {
       if (start + hit >= block + kScanBlock + kFieldsBefore) break;
       const std::size_t first = hit < kFieldsBefore + 4 ? 0 : hit - kFieldsBefore - 4;
       for (std::size_t begin = first; begin + 4 <= hit; ++begin) {

@@ -63,8 +63,8 @@ uint16 service
 
 /// The texts as rosbag stores them; the md5sums hold for these and no others.
 const std::array<RosDefinition, 5>& definitions() {
-  static const std::array<RosDefinition, 5> all = {{{"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369",
-                                                     with(R"(Header header
+  static const std::array<RosDefinition, 5> kAll = {{{"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369",
+                                                      with(R"(Header header
 float32 angle_min
 float32 angle_max
 float32 angle_increment
@@ -75,9 +75,9 @@ float32 range_max
 float32[] ranges
 float32[] intensities
 )",
-                                                          {kHeader})},
-                                                    {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181",
-                                                     with(R"(Header header
+                                                           {kHeader})},
+                                                     {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181",
+                                                      with(R"(Header header
 uint32 height
 uint32 width
 PointField[] fields
@@ -87,9 +87,9 @@ uint32  row_step
 uint8[] data
 bool is_dense
 )",
-                                                          {kHeader, kPointField})},
-                                                    {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2",
-                                                     with(R"(Header header
+                                                           {kHeader, kPointField})},
+                                                     {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2",
+                                                      with(R"(Header header
 geometry_msgs/Quaternion orientation
 float64[9] orientation_covariance
 geometry_msgs/Vector3 angular_velocity
@@ -97,9 +97,9 @@ float64[9] angular_velocity_covariance
 geometry_msgs/Vector3 linear_acceleration
 float64[9] linear_acceleration_covariance
 )",
-                                                          {kHeader, kQuaternion, kVector3})},
-                                                    {"sensor_msgs/NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
-                                                     with(R"(Header header
+                                                           {kHeader, kQuaternion, kVector3})},
+                                                     {"sensor_msgs/NavSatFix", "2d3a8cd499b9b4a0249fb98fd05cfa48",
+                                                      with(R"(Header header
 NavSatStatus status
 float64 latitude
 float64 longitude
@@ -111,16 +111,16 @@ uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
 uint8 COVARIANCE_TYPE_KNOWN = 3
 uint8 position_covariance_type
 )",
-                                                          {kHeader, kNavSatStatus})},
-                                                    {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd",
-                                                     with(R"(Header header
+                                                           {kHeader, kNavSatStatus})},
+                                                     {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd",
+                                                      with(R"(Header header
 string[] name
 float64[] position
 float64[] velocity
 float64[] effort
 )",
-                                                          {kHeader})}}};
-  return all;
+                                                           {kHeader})}}};
+  return kAll;
 }
 
 }  // namespace

@@ -111,8 +111,8 @@ BlockLandmarks landmarks_of(const RowLayout& survey) {
         landmarks.uprights.push_back(
             {point_at(row.centreline, chainage).position, direction_at(row, chainage), 0.05, true});
     for (const double across : {-kLane, kLane})
-      for (double chainage = -kGroundReach; chainage <= length + kGroundReach; chainage += kPathStep) {
-        const LinePoint at = point_at(row.centreline, chainage);
+      for (int k = 0; k * kPathStep <= length + 2 * kGroundReach; ++k) {
+        const LinePoint at = point_at(row.centreline, k * kPathStep - kGroundReach);
         landmarks.path.emplace_back(at.position + across * Eigen::Vector2d(-at.direction.y(), at.direction.x()));
       }
   }
