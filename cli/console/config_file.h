@@ -10,8 +10,7 @@
 namespace rayfield::cli {
 
 /// Where the values of a configuration file stand ("process.toml:7: 'voxel-size'"), by option ("--voxel-size") or key
-/// of
-/// --set ("posts.min_contrast").
+/// of --set ("posts.min_contrast").
 using ConfigPlaces = std::map<std::string, std::string>;
 
 struct ExpandedArguments {

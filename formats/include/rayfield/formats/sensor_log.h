@@ -31,7 +31,8 @@ struct LogOptions {
 };
 
 /// Delivers the messages of the rig's topics to `sink`, each topic in the order of its stamps, topics interleaved as
-/// they were recorded, and no message twice: times of every sensor but the lidar ascend strictly. Memory does not grow with the log.
+/// they were recorded, and no message twice: times of every sensor but the lidar ascend strictly. Memory does not grow
+/// with the log.
 /// Ranges follow REP 117 after the rig's `no_return`, min_range_m and max_range_m: +inf nothing up to max_range_m,
 /// -inf closer than min_range_m, NaN invalid. The stamps are those of the messages: the rig's time offsets are left
 /// to the consumer. The LidarScan is reused between calls.
