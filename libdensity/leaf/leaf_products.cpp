@@ -12,13 +12,13 @@
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/scan_voxels.h"
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "rayfield/density/load.h"
 
 namespace rayfield::density {
 namespace {
 
-constexpr int kLeafVersion = 1;
 constexpr const char* kWoodPrefix = "wood_";
 
 struct LeafMaps {
@@ -109,6 +109,14 @@ std::string content_of(const tile::ScanEntry& scan) {
   KeyBuilder content("rays", 1);
   for (const tile::TileEntry& entry : scan.tiles) content.add(entry.content_sha256());
   return content.hex();
+}
+
+Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout) {
+  RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
+  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
+  RAYFIELD_ASSIGN(const tile::ArraySet leaf_arrays, work.files.read("leaf", "block"));
+  RAYFIELD_CHECK(put_leaf_values(leaf_arrays, layout, results));
+  return report_of(results);
 }
 
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,

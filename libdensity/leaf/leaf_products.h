@@ -41,4 +41,7 @@ struct LeafReport {
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);
 
+/// Those that are in the scan's files already.
+Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout);
+
 }  // namespace rayfield::density

@@ -3,11 +3,12 @@
 #include <cmath>
 #include <map>
 
+#include "libdensity/scan/stage_versions.h"
+
 namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "totals";
-constexpr int kTotalsVersion = 1;
 
 tile::ArraySet to_arrays(const ScanTotals& totals) {
   tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};

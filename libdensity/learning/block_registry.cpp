@@ -7,11 +7,12 @@
 #include "libdensity/learning/scan_evidence_stage.h"
 #include "libdensity/registry/identity.h"
 #include "libdensity/registry/layout_arrays.h"
+#include "libdensity/scan/stage_versions.h"
 
 namespace rayfield::density {
 namespace {
 
-constexpr int kFoundVersion = 1, kRowsVersion = 1, kGeometryVersion = 1;
+constexpr int kFoundVersion = 1, kRowsVersion = 1;
 
 // The registry's own order: evidence counts by date, and by name where dates are the same.
 bool before(const DatedEvidence& a, const DatedEvidence& b) {
@@ -110,11 +111,18 @@ const RowLayout& BlockRegistry::learned_from(std::size_t count) {
   return learner_->layout();
 }
 
+bool BlockRegistry::has_evidence_of(const tile::ScanEntry& scan) const { return shas_.count(scan.scan_id) > 0; }
+
+RowLayout BlockRegistry::known_before(const tile::ScanEntry& scan) {
+  const auto place =
+      std::lower_bound(evidence_.begin(), evidence_.end(), DatedEvidence{scan.scan_id, scan.date, {}}, before);
+  return layout_on(learned_from(static_cast<std::size_t>(place - evidence_.begin())), scan.date);
+}
+
 Result<void> BlockRegistry::take_evidence(ScanWork& work, const SurveyedScan& surveyed) {
   DatedEvidence dated{work.scan.scan_id, work.scan.date, {}};
+  RAYFIELD_ASSIGN(dated.evidence, gather_evidence(work, surveyed, known_before(work.scan)));
   const auto place = std::lower_bound(evidence_.begin(), evidence_.end(), dated, before);
-  const std::size_t index = static_cast<std::size_t>(place - evidence_.begin());
-  RAYFIELD_ASSIGN(dated.evidence, gather_evidence(work, surveyed, layout_on(learned_from(index), work.scan.date)));
   if (place != evidence_.end() && place->scan_id == dated.scan_id) {
     *place = std::move(dated);
   } else {

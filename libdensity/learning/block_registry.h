@@ -28,6 +28,10 @@ class BlockRegistry {
   /// Adds what the scan shows, in place of what it showed before.
   Result<void> take_evidence(ScanWork& work, const SurveyedScan& surveyed);
 
+  /// Whether the scan's evidence is known, from this run or an earlier one.
+  bool has_evidence_of(const tile::ScanEntry& scan) const;
+  /// The layout that the scan's evidence is gathered along: what scans before it have taught.
+  RowLayout known_before(const tile::ScanEntry& scan);
   /// The layout as the scan takes it: what was known up to it.
   RowLayout layout_for(const tile::ScanEntry& scan);
 

@@ -10,12 +10,12 @@
 #include "libdensity/posts/stem_accumulator.h"
 #include "libdensity/rows/canopy_map.h"
 #include "libdensity/rows/rows.h"
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 
 namespace rayfield::density {
 namespace {
 
-constexpr int kEvidenceVersion = 1;
 constexpr double kBeside = 0.7;  // m; lines closer to each other are one row
 constexpr double kSameDirection = 15 * M_PI / 180;
 
@@ -118,16 +118,20 @@ Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const Ro
 
 }  // namespace
 
-Result<ScanEvidence> gather_evidence(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& known) {
-  KeyBuilder key("stems", kEvidenceVersion);
-  key.add(option_numbers(work.options.canopy));
-  key.add(option_numbers(work.options.rows));
-  key.add(option_numbers(work.options.posts)).add(static_cast<std::int64_t>(work.options.registry.min_row_stems));
+void add_lines(KeyBuilder& key, const RowLayout& known) {
   key.add(known.spacing_m);
   for (const Row& row : known.rows) {
     key.add(static_cast<std::int64_t>(row.number));
     for (const Eigen::Vector2d& p : row.centreline) key.add(p.x()).add(p.y());
   }
+}
+
+Result<ScanEvidence> gather_evidence(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& known) {
+  KeyBuilder key("stems", kEvidenceVersion);
+  key.add(option_numbers(work.options.canopy));
+  key.add(option_numbers(work.options.rows));
+  key.add(option_numbers(work.options.posts)).add(static_cast<std::int64_t>(work.options.registry.min_row_stems));
+  add_lines(key, known);
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256())
         .add(work.files.sha256("ground", tile_name(entry.index)))

@@ -10,4 +10,7 @@ namespace rayfield::density {
 /// and on nothing else that the registry says, so that what other scans teach does not make it anew.
 Result<ScanEvidence> gather_evidence(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& known);
 
+/// Adds to a key where the known rows run.
+void add_lines(KeyBuilder& key, const RowLayout& known);
+
 }  // namespace rayfield::density

@@ -10,6 +10,7 @@
 #include "libdensity/leaf/leaf_products.h"
 #include "libdensity/leaf/scan_totals.h"
 #include "libdensity/learning/block_registry.h"
+#include "libdensity/pipeline/processed_scan.h"
 #include "libdensity/pipeline/scan_products.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
@@ -26,15 +27,39 @@ struct ScanInWork {
   ScanWork work;
   RowLayout layout = {};  // what was known of the block up to it
   ScanVoxels voxels = {};
-  ScanTotals totals = {};
+  ProcessedScan processed = {};
+  bool as_it_was = false;  // an earlier run has left all that would be made
   ScanReport report = {};
 };
+
+void report_plants(ScanInWork& scan) {
+  scan.report.scan_id = scan.work.scan.scan_id;
+  scan.report.rays = scan.work.scan.ray_count;
+  scan.report.plant_area_m2 = scan.processed.totals.plant_area_m2;
+  scan.report.leaf_size_m2 = scan.processed.leaf_size_m2;
+  scan.report.voxel_m = scan.processed.voxel_m;
+}
+
+// Whether an earlier run has made all of the scan's plants. Reads next to nothing of it.
+Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
+  const tile::ScanEntry& entry = scan.work.scan;
+  if (!registry.known() || !registry.has_evidence_of(entry)) return false;
+  const RowLayout known = registry.known_before(entry);
+  scan.layout = registry.layout_for(entry);
+  const std::string key = processed_key(scan.work, known, scan.layout);
+  RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, key));
+  if (!processed) return false;
+  scan.processed = *processed;
+  report_plants(scan);
+  return true;
+}
 
 // One scan, from its rays to the maps of its plants. Finds the block's layout on the way if there is none yet.
 Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer, BlockRegistry& registry) {
   ScanWork& work = scan.work;
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
   if (!registry.known()) RAYFIELD_CHECK(registry.adopt(work, surveyed, writer));
+  const RowLayout known = registry.known_before(work.scan);
   RAYFIELD_CHECK(registry.take_evidence(work, surveyed));
   scan.layout = registry.layout_for(work.scan);
   const RowLayout& layout = scan.layout;
@@ -51,12 +76,21 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
                   count_voxels(work, {work.scan, work.voxels, ""}, scan.voxels.row_segments, scan.voxels.wood));
   RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels.row_segments,
                                                             scan.voxels.wood, scan.voxels.tiles));
-  RAYFIELD_ASSIGN(scan.totals, total_scan(work, layout, results, counts_all));
-  scan.report.scan_id = work.scan.scan_id;
-  scan.report.rays = work.scan.ray_count;
-  scan.report.plant_area_m2 = scan.totals.plant_area_m2;
-  scan.report.leaf_size_m2 = results.element_area_m2;
-  scan.report.voxel_m = voxel_m;
+  scan.processed.leaf_size_m2 = results.element_area_m2;
+  scan.processed.voxel_m = voxel_m;
+  RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));
+  report_plants(scan);
+  return keep_processed(work, processed_key(work, known, layout), scan.processed);
+}
+
+// Files of a scan that is as it was are taken; for another wood its plants are needed after all.
+Result<void> take_or_make_plants(const tile::Store& store, ScanInWork& scan, const BlockSeasons& seasons,
+                                 tile::Store::DerivedWriter& writer, BlockRegistry& registry) {
+  if (!scan.as_it_was) return {};
+  RAYFIELD_ASSIGN(const bool other_wood, seasons.is_outdated(store, scan.work.scan));
+  scan.as_it_was = !other_wood;
+  if (other_wood) return process_plants(scan, writer, registry);
+  for (const tile::DerivedEntry& entry : scan.work.scan.derived) scan.files->take(entry);
   return {};
 }
 
@@ -71,7 +105,9 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
     notes.emplace_back(kWoodInLeafArea);
     return {};
   }
-  RAYFIELD_ASSIGN(const LeafReport leaves, separate_leaves(scan.work, scan.layout, scan.voxels, *wood));
+  RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
+                                               ? read_leaves(scan.work, scan.layout)
+                                               : separate_leaves(scan.work, scan.layout, scan.voxels, *wood));
   scan.report.leaf_area_m2 = leaves.leaf_area_m2;
   scan.report.wood_scan_id = wood->scan.scan_id;
   if (leaves.without_wood > 0)
@@ -115,11 +151,15 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
     auto files = std::make_unique<Derivation>(store, writer, scan_id, options.redo);
     ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress, thread_count(options.threads)};
     ScanInWork& scan = scans.emplace_back(ScanInWork{std::move(files), std::move(work)});
-    RAYFIELD_CHECK(process_plants(scan, writer, registry));
-    totals[scan_id] = scan.totals;
+    RAYFIELD_ASSIGN(scan.as_it_was, find_plants(scan, registry));
+    if (!scan.as_it_was) {
+      RAYFIELD_CHECK(process_plants(scan, writer, registry));
+    }
+    totals[scan_id] = scan.processed.totals;
   }
   RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals));
   for (ScanInWork& scan : scans) {
+    RAYFIELD_CHECK(take_or_make_plants(store, scan, seasons, writer, registry));
     RAYFIELD_CHECK(process_leaves(scan, seasons));
     RAYFIELD_CHECK(scan.files->finish());
     scan.report.files_made = scan.files->total().made, scan.report.files_kept = scan.files->total().kept;

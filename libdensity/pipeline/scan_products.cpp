@@ -13,6 +13,7 @@
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/rounding.h"
 #include "rayfield/density/load.h"
@@ -20,7 +21,6 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kResultsVersion = 4;
 constexpr float kNotScanned = std::numeric_limits<float>::quiet_NaN();
 
 struct ScanMaps {

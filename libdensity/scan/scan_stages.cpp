@@ -12,6 +12,7 @@
 #include "libdensity/posts/stem_accumulator.h"
 #include "libdensity/rows/canopy_map.h"
 #include "libdensity/rows/rows.h"
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/canopy_profile_arrays.h"
@@ -20,9 +21,6 @@
 
 namespace rayfield::density {
 namespace {
-
-// Raised whenever the code of a stage computes something else from the same input.
-constexpr int kSurveyVersion = 2, kGroundVersion = 1, kProfileVersion = 1, kRowSegmentsVersion = 1;
 
 // Tiles within `reach_m` of a tile, itself among them.
 std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, const tile::TileRef& tile, double reach_m) {

@@ -6,13 +6,12 @@
 #include <cmath>
 
 #include "libdensity/scan/scan_voxels.h"
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 namespace {
-
-constexpr int kVoxelSizeVersion = 3;
 
 // Neighbouring beams on one tile. Sums of integers, so that their order does not matter.
 Result<LeafSizePairs> pairs_of_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {

@@ -2,14 +2,13 @@
 
 #include <fmt/core.h>
 
+#include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/voxels/voxel_arrays.h"
 #include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 namespace {
-
-constexpr int kVoxelsVersion = 2;
 
 // Corners of a row segment's grid in plan, m.
 Eigen::AlignedBox2d bounds_of(const RowSegment& s) {

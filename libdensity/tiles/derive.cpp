@@ -1,5 +1,6 @@
 #include "libdensity/tiles/derive.h"
 
+#include <algorithm>
 #include <bit>
 #include <span>
 
@@ -46,6 +47,13 @@ void Derivation::keep(const tile::DerivedEntry& entry, bool made) {
   const std::lock_guard lock(mutex_);
   entries_[{entry.kind, entry.name}] = entry;
   ++(made ? total_.made : total_.kept);
+}
+
+bool Derivation::has_all(const std::vector<tile::DerivedEntry>& entries) const {
+  return !redo_ && std::all_of(entries.begin(), entries.end(), [&](const tile::DerivedEntry& entry) {
+    const auto found = writer_.find({scan_id_, entry.kind, entry.name, entry.key});
+    return found && found->file.sha256 == entry.file.sha256;
+  });
 }
 
 tile::DerivedEntry Derivation::entry(const std::string& kind, const std::string& name) const {

@@ -65,6 +65,9 @@ class Derivation {
 
   tile::DerivedEntry entry(const std::string& kind, const std::string& name) const;
 
+  /// Whether these files are there, undamaged, and may be taken: not when everything is to be made anew.
+  bool has_all(const std::vector<tile::DerivedEntry>& entries) const;
+
   /// Takes a file of the store into the set as it is.
   void take(const tile::DerivedEntry& entry) { keep(entry, false); }
 

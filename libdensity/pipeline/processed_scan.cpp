@@ -1,0 +1,45 @@
+#include "libdensity/pipeline/processed_scan.h"
+
+#include "libdensity/leaf/leaf_products.h"
+#include "libdensity/learning/block_registry.h"
+#include "libdensity/learning/scan_evidence_stage.h"
+#include "libdensity/registry/layout_store.h"
+#include "libdensity/scan/stage_versions.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kKind = "processed";
+constexpr int kProcessedVersion = 1;
+
+}  // namespace
+
+std::string processed_key(const ScanWork& work, const RowLayout& known, const RowLayout& layout) {
+  KeyBuilder key(kKind, kProcessedVersion);
+  key.add(stage_versions()).add(option_numbers(work.options)).add(content_of(work.scan));
+  add_lines(key, known);
+  return key.add(geometry_key(layout)).hex();
+}
+
+Result<void> keep_processed(ScanWork& work, const std::string& key, const ProcessedScan& processed) {
+  RAYFIELD_CHECK(work.files.get(kKind, "block", key, [&]() -> Result<tile::ArraySet> {
+    tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
+    arrays.columns["leaf_size_m2"] = std::vector<double>{processed.leaf_size_m2};
+    arrays.columns["voxel_m"] = std::vector<double>{processed.voxel_m};
+    return arrays;
+  }));
+  return {};
+}
+
+Result<std::optional<ProcessedScan>> find_processed(const ScanWork& work, const std::string& key) {
+  const tile::DerivedEntry* entry = find_entry(work.scan.derived, kKind, "block");
+  if (entry == nullptr || entry->key != key || !work.files.has_all(work.scan.derived)) return std::nullopt;
+  RAYFIELD_ASSIGN(const auto totals, read_totals(work.store, work.scan));
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.store.read_derived(*entry));
+  RAYFIELD_ASSIGN(const auto leaf_size, arrays.column<double>("leaf_size_m2"));
+  RAYFIELD_ASSIGN(const auto voxel, arrays.column<double>("voxel_m"));
+  if (!totals || leaf_size.size() != 1 || voxel.size() != 1) return std::nullopt;
+  return ProcessedScan{leaf_size[0], voxel[0], *totals};
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "libdensity/layout/row_layout.h"
+#include "libdensity/leaf/scan_totals.h"
+#include "libdensity/scan/scan_work.h"
+
+namespace rayfield::density {
+
+/// What is left of a scan's processing in kind "processed", so that the next run need not look at the scan again: an
+/// update of one date would otherwise read the files of all others. Its key is a hash of everything that the scan's
+/// files depend on but for its wood (BlockSeasons::is_outdated()).
+struct ProcessedScan {
+  double leaf_size_m2 = 0, voxel_m = 0;
+  ScanTotals totals = {};
+};
+
+/// `known`: the layout that the scan's evidence was gathered along; `layout`: the one its maps were made with.
+std::string processed_key(const ScanWork& work, const RowLayout& known, const RowLayout& layout);
+
+/// Keeps it among the scan's files (but for the totals, which have a file of their own).
+Result<void> keep_processed(ScanWork& work, const std::string& key, const ProcessedScan& processed);
+
+/// Of a scan that was processed under that key, when all of its files are there; else nothing.
+Result<std::optional<ProcessedScan>> find_processed(const ScanWork& work, const std::string& key);
+
+}  // namespace rayfield::density

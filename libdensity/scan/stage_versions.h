@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+namespace rayfield::density {
+
+/// Versions of the stages' code, raised whenever a stage computes something else from the same input. They stand
+/// together because a scan that is whole (processed_scan.h) was made by all of them.
+inline constexpr int kSurveyVersion = 2;
+inline constexpr int kGroundVersion = 1;
+inline constexpr int kEvidenceVersion = 1;
+inline constexpr int kGeometryVersion = 1;
+inline constexpr int kProfileVersion = 1;
+inline constexpr int kVoxelSizeVersion = 3;
+inline constexpr int kRowSegmentsVersion = 1;
+inline constexpr int kVoxelsVersion = 2;
+inline constexpr int kResultsVersion = 4;
+inline constexpr int kTotalsVersion = 1;
+inline constexpr int kLeafVersion = 1;
+
+inline std::vector<double> stage_versions() {
+  return {kSurveyVersion,      kGroundVersion, kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,
+          kRowSegmentsVersion, kVoxelsVersion, kResultsVersion,  kTotalsVersion,   kLeafVersion};
+}
+
+}  // namespace rayfield::density
