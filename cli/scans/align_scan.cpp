@@ -1,5 +1,7 @@
 #include "cli/scans/align_scan.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -9,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "rayfield/core/file.h"
 #include "rayfield/density/landmarks.h"
 
 namespace rayfield::cli {
@@ -16,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder inside the store's tmp/ that is gone afterwards; what a killed process leaves is found by gc.
+// A folder inside the store's tmp/ that is gone afterwards. A lock on it tells gc that it is in use; what a killed
+// process leaves is not locked any more, and gc removes it.
 class ScratchFolder {
  public:
   static Result<ScratchFolder> create(const fs::path& parent) {
@@ -25,9 +29,13 @@ class ScratchFolder {
     std::string path = (parent / "align.XXXXXX").string();
     if (failed || ::mkdtemp(path.data()) == nullptr)
       return fail_errno(failed ? failed.value() : errno, "cannot make folder", path);
-    return ScratchFolder(path);
+    FileDescriptor held(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    // A gc between mkdtemp() and flock() takes the folder away, and making the scratch store in it says so.
+    if (held.valid()) ::flock(held.get(), LOCK_EX);
+    return ScratchFolder(path, std::move(held));
   }
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ScratchFolder(ScratchFolder&& other) noexcept
+      : path_(std::exchange(other.path_, {})), held_(std::move(other.held_)) {}
   ScratchFolder& operator=(ScratchFolder&&) = delete;
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
@@ -38,8 +46,9 @@ class ScratchFolder {
   const fs::path& path() const { return path_; }
 
  private:
-  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {}
+  ScratchFolder(fs::path path, FileDescriptor held) : path_(std::move(path)), held_(std::move(held)) {}
   fs::path path_;
+  FileDescriptor held_;
 };
 
 Result<BlockLandmarks> landmarks_of(RaySource& rays, const tile::Store& store, const tile::AddOptions& options,

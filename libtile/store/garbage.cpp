@@ -1,11 +1,14 @@
 #include "libtile/store/garbage.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -26,6 +29,13 @@ struct Leftovers {
   std::uint64_t bytes = 0;
 };
 
+// A scratch folder in tmp/ that a running program holds by a lock on the folder itself; the kernel drops the lock when
+// the program ends, however it ends.
+bool is_held(const fs::path& folder) {
+  const FileDescriptor held(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return held.valid() && ::flock(held.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+}
+
 Result<Leftovers> find_leftovers(const fs::path& store, const std::set<std::string>& named) {
   Leftovers leftovers;
   for (const char* top : {layout::kScans, layout::kRegistry, layout::kTemporary}) {
@@ -35,7 +45,10 @@ Result<Leftovers> find_leftovers(const fs::path& store, const std::set<std::stri
     for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
       const fs::file_status status = entry->symlink_status(error);
       if (error) break;
-      if (fs::is_directory(status)) {
+      if (fs::is_directory(status) && entry.depth() == 0 && std::string_view(top) == layout::kTemporary &&
+          is_held(entry->path())) {
+        entry.disable_recursion_pending();
+      } else if (fs::is_directory(status)) {
         leftovers.folders.push_back(entry->path());
       } else if (!named.contains(entry->path().lexically_relative(store).generic_string())) {
         leftovers.files.push_back(entry->path());
