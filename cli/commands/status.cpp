@@ -7,6 +7,7 @@
 #include "cli/console/alignment_text.h"
 #include "cli/console/text.h"
 #include "rayfield/core/date.h"
+#include "rayfield/density/registry.h"
 #include "rayfield/tile/tile.h"
 
 namespace rayfield::cli {
@@ -56,15 +57,16 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
 Result<Outcome> store_status(const std::string& folder) {
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(folder));
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
+  RAYFIELD_ASSIGN(const density::BlockNames names, density::read_names(store, snapshot));
   Outcome outcome;
   outcome.data = {{"store", folder},
-                  {"block", store.block_name()},
+                  {"block", names.block},
                   {"crs", store.config().crs},
                   {"tile_size_m", store.config().tile_size_m},
                   {"snapshot", snapshot.number},
                   {"scans", ordered_json::array()}};
-  outcome.text = fmt::format("{}: {}, {} scan{}, snapshot {}\n", store.block_name(), store.config().crs,
-                             snapshot.scans.size(), snapshot.scans.size() == 1 ? "" : "s", snapshot.number);
+  outcome.text = fmt::format("{}: {}, {} scan{}, snapshot {}\n", names.block, store.config().crs, snapshot.scans.size(),
+                             snapshot.scans.size() == 1 ? "" : "s", snapshot.number);
   for (const tile::ScanEntry& scan : snapshot.scans) {
     const ordered_json entry = scan_json(scan);
     outcome.text +=
