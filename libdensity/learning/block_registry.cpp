@@ -8,6 +8,7 @@
 #include "libdensity/registry/identity.h"
 #include "libdensity/registry/layout_arrays.h"
 #include "libdensity/scan/stage_versions.h"
+#include "rayfield/density/load.h"
 
 namespace rayfield::density {
 namespace {
@@ -57,7 +58,8 @@ Result<BlockRegistry> BlockRegistry::open(const tile::Store& store, const tile::
   for (const tile::DerivedEntry& entry : snapshot.registry)
     if (entry.kind == kSurveyKind || entry.kind == kNamesKind) registry.kept_.push_back(entry);
   registry.name_ = layout_name(options, registry.survey_.key);
-  if (options.redo) return registry;
+  RAYFIELD_ASSIGN(const std::vector<std::string> scans, select_scans(snapshot, options.dates));
+  if (options.redo && scans.size() == snapshot.scans.size()) return registry;
   RAYFIELD_ASSIGN(registry.found_, read_found(store, snapshot, registry.name_));
   if (!registry.found_.known) return registry;
   for (const char* kind : {kFoundKind, kRowsKind})

@@ -15,8 +15,8 @@ namespace rayfield::density {
 /// have shown, and what those of this run show.
 class BlockRegistry {
  public:
-  /// Reads what the snapshot has of it. With options.redo, or options that ask for other rows or panels than the layout
-  /// was found with, it is found anew, and keeps the identities of what stands at the same places.
+  /// Reads what the snapshot has of it. With options.redo for all scans, or options that ask for other rows or panels
+  /// than the layout was found with, it is found anew, and keeps the identities of what stands at the same places.
   static Result<BlockRegistry> open(const tile::Store& store, const tile::Snapshot& snapshot,
                                     const ProcessOptions& options);
 

@@ -86,6 +86,12 @@ TEST_F(RegistryChain, PanelsKeepTheirIdentityAndBordersHoweverTheBlockIsDriven) 
     for (const json& post : now["posts"]) EXPECT_EQ(post["valid_to"], nullptr) << date << " " << post;
     EXPECT_EQ(now["posts"].size(), first["posts"].size()) << date;
   }
+  // One date made anew forgets nothing of what the others have shown.
+  const auto before = content_of(store + "/registry");
+  const Outcome again = rayfield({"process", store, "--overwrite", "--date", "2021-07-03", "--json", "-q"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_GT(json::parse(again.out)["scans"][0]["files_made"], 5);
+  EXPECT_EQ(content_of(store + "/registry"), before);
   const auto areas = leaf_areas(store, work.path("maps"));
   ASSERT_EQ(areas.size(), 4U);
   ASSERT_EQ(areas.at("2021-07-01").size(), first["panels"].size());

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "tests/libdensity/pipeline/simulated_block.h"
+#include "tests/libdensity/simulated_block.h"
 
 namespace rayfield::density {
 namespace {
