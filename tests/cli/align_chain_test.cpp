@@ -95,6 +95,27 @@ TEST_F(AlignChain, AMovedCloudComesToLieOnTheFirstDate) {
   EXPECT_NEAR(areas[0] / areas[1], 1, 0.02);
 }
 
+TEST_F(AlignChain, WhereTheReferenceIsRemovedAScanThatWasLaidOnItTakesItsPlace) {
+  const Folder work;
+  const std::string store = store_with_first_date(work);
+  const auto add_moved = [&](const std::string& from, const Eigen::Vector3d& shift, const std::string& date,
+                             const std::string& align) {
+    const std::string path = moved_cloud(cloud(from), work.path(date + ".ply"), shift, 0);
+    const Outcome run = rayfield({"add", store, path, "--date", date, align, "--json", "-q"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out, nullptr, false)["alignment"];
+  };
+  // The unaligned scan is the store's first by date, and 1.1 m away from where the block is.
+  add_moved("2021-07-01", {0.9, 0.7, 0}, "2021-04-01", "--no-align");
+  add_moved("2021-07-01", {1.8, -2.4, 0.9}, "2021-07-01", "--align");
+  ASSERT_EQ(rayfield({"remove", store, "2021-05-01", "-q"}).exit_code, 0);
+  const json alignment = add_moved("2021-05-01", {-1.2, 1.5, 0.4}, "2021-08-01", "--align");
+  EXPECT_EQ(alignment["verdict"], "aligned");
+  EXPECT_NEAR(alignment["offset_e_m"], 1.2, 0.05);
+  EXPECT_NEAR(alignment["offset_n_m"], -1.5, 0.05);
+  EXPECT_NEAR(alignment["offset_h_m"], -0.4, 0.05);
+}
+
 TEST_F(AlignChain, AnotherBlockIsRefusedAndTheStoreStaysAsItWas) {
   const Folder work;
   const std::string store = store_with_first_date(work);

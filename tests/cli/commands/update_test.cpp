@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/cli/program.h"
 
@@ -142,6 +145,50 @@ TEST_F(Update, KilledAnywhereAndRunAgainItGivesTheSameBytes) {
   ASSERT_EQ(rayfield({"gc", work.path("rough/block"), "-q"}).exit_code, 0);
   for (const char* part : {"/block", "/maps"})
     EXPECT_EQ(content_of(work.path(std::string("rough") + part)), content_of(work.path(std::string("calm") + part)));
+}
+
+TEST_F(Update, EightAtOnceLoseNothingAndShowNothingByHalves) {
+  const Folder work;
+  const std::string store = work.path("block");
+  run(update(store, work.path("maps"), kEarly));
+  const auto update_of = [&](int writer) {
+    const std::string name = "writer" + std::to_string(writer);
+    return std::vector<std::string>{"update", store, cloud(kLate), "--date",    kLate, "--name",
+                                    name,     "-q",  "--json",     "--threads", "1"};
+  };
+  std::atomic<int> writing{8}, done{0}, refused{0};
+  std::vector<std::thread> writers;
+  for (int writer = 0; writer < 8; ++writer)
+    writers.emplace_back([&, writer] {
+      for (int attempt = 0; attempt < 200; ++attempt) {
+        const Outcome outcome = rayfield(update_of(writer));
+        if (outcome.exit_code == 0) {
+          ++done;
+          break;
+        }
+        EXPECT_EQ(outcome.exit_code, 6) << outcome.err;  // another writer holds the store
+        EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+        ++refused;
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      }
+      --writing;
+    });
+  // A reader meets whole snapshots only, and scans that were there stay.
+  std::size_t scans = 1;
+  while (writing > 0) {
+    EXPECT_EQ(rayfield({"verify", store, "-q"}).exit_code, 0);
+    const std::size_t now = run({"status", store, "--json"})["scans"].size();
+    EXPECT_GE(now, scans);
+    scans = now;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(done, 8);
+  EXPECT_GT(refused, 0) << "they did not run at the same time";
+  const json status = run({"status", store, "--json"});
+  ASSERT_EQ(status["scans"].size(), 9U);
+  for (const json& scan : status["scans"]) EXPECT_TRUE(scan["derived"].contains("results")) << scan["scan_id"];
+  EXPECT_TRUE(fs::is_empty(store + "/tmp")) << "no scratch is left";
 }
 
 TEST_F(Update, OfALogKeepsItsReportAndTrajectoryWithTheScan) {
