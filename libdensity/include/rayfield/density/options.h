@@ -226,7 +226,7 @@ struct ProcessOptions {
   LeafOptions leaf;
 
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
-  bool redo = false;                                    ///< make everything anew, the layout with it
+  bool redo = false;                                    ///< make everything anew; for all scans, the layout too
   int threads = 0;                                      ///< 0 = all processors
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bounds what is kept of tiles that will be needed again
 
