@@ -1,46 +1,56 @@
 #include "sim/scan/scanner.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "sim/drive/true_trajectory.h"
+#include "sim/scan/disturbance.h"
 #include "sim/site/random.h"
+#include "sim/site/site_fields.h"
 
 namespace rayfield::sim {
 namespace {
 
 constexpr std::size_t kBeamsPerChunk = 20000;
 
-// Share of light that a surface sends back at right angles.
-double reflectance(Material material) {
+double reflectance(const SiteReflectance& of, Material material) {
   switch (material) {
     case Material::ground:
-      return 0.35;
+      return of.ground;
     case Material::grass:
-      return 0.5;
+      return of.grass;
     case Material::leaf:
-      return 0.55;
+      return of.leaf;
     case Material::wood:
-      return 0.35;
+      return of.wood;
     case Material::post:
-      return 0.45;
+      return of.post;
     case Material::wire:
-      return 0.7;
+      return of.wire;
     case Material::building:
-      return 0.65;
+      return of.building;
   }
-  return 0.5;
+  return of.leaf;
 }
 
-// Received strength on a scale to 255: Lambert's law softened, falling with range.
-float received_intensity(const SceneHit& hit, double max_range, CounterRandom& random) {
-  const double strength =
-      255 * reflectance(hit.material) * (0.3 + 0.7 * hit.cos_incidence) * (1 - 0.6 * hit.range_m / max_range) +
-      4 * random.normal();
+// What a surface that takes `share` of the beam adds to its echo. Intensity follows Lambert's law, softened; whether it
+// is seen at all does not depend on the angle of incidence.
+SubEcho sub_echo(const SiteReflectance& of, const SceneHit& hit, double share) {
+  const double reflected = reflectance(of, hit.material);
+  return {hit.range_m, share * reflected / of.leaf, share * (255 * reflected * (0.3 + 0.7 * hit.cos_incidence))};
+}
+
+// Received strength on a scale to 255, falling with range.
+float received_intensity(const Echo& echo, double max_range, CounterRandom& random) {
+  const double strength = echo.strength * (1 - 0.6 * echo.range_m / max_range) + 4 * random.normal();
   return static_cast<float>(std::clamp(std::round(strength), 1.0, 255.0));
 }
+
+bool any(const SiteDisturbance& d) { return d.dust_share > 0 || d.rain_per_m > 0 || d.spurious_share > 0; }
 
 }  // namespace
 
@@ -48,6 +58,8 @@ Result<Scanner> Scanner::create(const World& world, const Drive& drive) {
   RAYFIELD_ASSIGN(const MapFromEnu map, MapFromEnu::create(world.site(), site_reach_m(world)));
   Scanner scanner(world, drive, map);
   scanner.pattern_ = beam_pattern(world.site());
+  const SiteLidar& lidar = world.site().lidar;
+  if (lidar.wide()) scanner.disc_ = beam_disc(lidar.energy_profile, lidar.sub_rays);
   scanner.rig_ = site_rig(world.site());
   scanner.imu_from_spinner_ = scanner.rig_.imu_from_spinner.rotation.toRotationMatrix();
   scanner.spinner_from_lidar_ = scanner.rig_.spinner_from_lidar.rotation.toRotationMatrix();
@@ -72,28 +84,60 @@ Scanner::Shot Scanner::shoot(double t, const Eigen::Vector3d& direction) const {
   }
   shot.origin = enu_from_turned * rig_.spinner_from_lidar.translation + spinner;
   shot.direction = (enu_from_turned * (spinner_from_lidar_ * direction)).normalized();
+  shot.across = (enu_from_turned * spinner_from_lidar_.col(2)).cross(shot.direction);
+  if (shot.across.norm() < 1e-6) shot.across = shot.direction.unitOrthogonal();  // along the lidar's z axis
+  shot.across.normalize();
+  shot.along_z = shot.direction.cross(shot.across);
   return shot;
 }
 
-std::optional<SceneHit> Scanner::first_return(const Shot& shot, std::uint64_t beam) const {
-  const SiteLidar& lidar = world_.site().lidar;
-  std::optional<SceneHit> nearest = world_.cast(shot.origin, shot.direction, lidar.max_range_m);
-  if (lidar.sub_rays <= 1 || lidar.divergence_mrad <= 0) return nearest;
-  // The other sub-rays lie on rings that share the beam's cross-section evenly; the turn differs from beam to beam.
-  const Eigen::Vector3d helper =
-      std::abs(shot.direction.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d u = helper.cross(shot.direction).normalized(), v = shot.direction.cross(u);
-  const double half_angle = 0.5e-3 * lidar.divergence_mrad;
-  const double first = 2 * std::numbers::pi * CounterRandom(world_.date().seed, Stream::lidar, ~beam).uniform();
-  for (int i = 1; i < lidar.sub_rays; ++i) {
-    const double radius = half_angle * std::sqrt(static_cast<double>(i) / lidar.sub_rays);
-    const double turn = first + 2.399963229728653 * i;  // the golden angle
-    const Eigen::Vector3d direction =
-        (shot.direction + radius * (std::cos(turn) * u + std::sin(turn) * v)).normalized();
-    const auto hit = world_.cast(shot.origin, direction, lidar.max_range_m);
-    if (hit && (!nearest || hit->range_m < nearest->range_m)) nearest = hit;
+std::optional<Echo> Scanner::look_along_line(const Shot& shot, double t, std::uint64_t beam) const {
+  const Site& site = world_.site();
+  const std::optional<SceneHit> hit = world_.cast(shot.origin, shot.direction, site.lidar.max_range_m, t);
+  if (!hit) return std::nullopt;
+  const SubEcho met = sub_echo(site.reflectance, *hit, 1);
+  if (site.disturbance.lost_echo_share > 0) {
+    const double chance = chance_of_loss(site.disturbance, met.energy, detectable_energy(site.lidar, hit->range_m));
+    if (CounterRandom(world_.date().seed, Stream::disturbance, ~beam).uniform() < chance) return std::nullopt;
   }
-  return nearest;
+  return Echo{met.range_m, met.energy, met.strength};
+}
+
+// Sub-rays start on the disc of the exit and diverge from there; the disc is turned at random from beam to beam, so
+// that its pattern cannot line up with edges.
+std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::uint64_t beam) const {
+  const Site& site = world_.site();
+  const SiteLidar& lidar = site.lidar;
+  CounterRandom random(world_.date().seed, Stream::lidar, ~beam);
+  const Eigen::Rotation2Dd turn(2 * std::numbers::pi * random.uniform());
+  const double start = 0.5 * lidar.beam_diameter_m, slope = 0.5e-3 * lidar.divergence_mrad;
+  const double slope_z = lidar.divergence_z_mrad > 0 ? 0.5e-3 * lidar.divergence_z_mrad : slope;
+  std::array<SceneRay, kMaxSubRays> rays;
+  for (std::size_t i = 0; i < disc_.size(); ++i) {
+    const Eigen::Vector2d p = turn * disc_[i];
+    rays[i].origin = shot.origin + start * (p.x() * shot.across + p.y() * shot.along_z);
+    rays[i].direction = (shot.direction + slope * p.x() * shot.across + slope_z * p.y() * shot.along_z).normalized();
+  }
+  std::array<SceneHit, kMaxSubRays> hits;
+  world_.cast({rays.data(), disc_.size()}, lidar.max_range_m, t, {hits.data(), disc_.size()});
+  std::array<SubEcho, kMaxSubRays> met;
+  std::size_t count = 0;
+  const double share = 1 / static_cast<double>(disc_.size());
+  for (std::size_t i = 0; i < disc_.size(); ++i)
+    if (std::isfinite(hits[i].range_m)) met[count++] = sub_echo(site.reflectance, hits[i], share);
+  const double dither = share * (random.uniform() - 0.5);
+  CounterRandom loss(world_.date().seed, Stream::disturbance, ~beam);
+  const auto lost = [&](const Echo& echo) {
+    return loss.uniform() < chance_of_loss(site.disturbance, echo.energy, detectable_energy(lidar, echo.range_m));
+  };
+  return beam_return(lidar, {met.data(), count}, dither, lost);
+}
+
+std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam) const {
+  const std::optional<Echo> echo = disc_.empty() ? look_along_line(shot, t, beam) : look_with_width(shot, t, beam);
+  if (!any(world_.site().disturbance)) return echo;
+  CounterRandom random(world_.date().seed, Stream::disturbance, beam);
+  return disturbed(world_.site(), echo, random);
 }
 
 // One lidar message and its rays. Random numbers are drawn by the number of the beam, hits or not, so that no beam
@@ -111,7 +155,7 @@ void Scanner::render_scan(std::size_t index, bool want_rays, Chunk& out) const {
     const std::uint64_t beam = index * beams + i;
     const double t = start + static_cast<double>(pattern_.time_offset_s[i]);
     const Shot shot = shoot(t, pattern_.direction[i].cast<double>());
-    const std::optional<SceneHit> hit = first_return(shot, beam);
+    const std::optional<Echo> hit = look(shot, t, beam);
     float range = std::numeric_limits<float>::infinity(), intensity = 0;
     if (hit) {
       CounterRandom random(world_.date().seed, Stream::lidar, beam);

@@ -9,7 +9,9 @@
 #include "rayfield/sim/drive.h"
 #include "rayfield/sim/simulate.h"
 #include "rayfield/sim/world.h"
+#include "sim/scan/beam_disc.h"
 #include "sim/scan/beams.h"
+#include "sim/scan/echoes.h"
 #include "sim/world/map_from_enu.h"
 
 namespace rayfield::sim {
@@ -37,18 +39,22 @@ class Scanner {
 
   struct Shot {
     Eigen::Vector3d origin, direction;  // in ENU
+    Eigen::Vector3d across, along_z;  // of the beam's cross-section: in the lidar's x–y plane and at right angles to it
   };
   World world_;
   Drive drive_;
   MapFromEnu map_;
   BeamPattern pattern_;
+  std::vector<Eigen::Vector2d> disc_;  // sub-rays of a beam with a width
   Rig rig_;
   Eigen::Matrix3d imu_from_spinner_, spinner_from_lidar_;
   std::size_t scan_count_ = 0, scans_per_chunk_ = 1;
 
   void render_scan(std::size_t index, bool want_rays, Chunk& out) const;
   Shot shoot(double t, const Eigen::Vector3d& direction) const;
-  std::optional<SceneHit> first_return(const Shot& shot, std::uint64_t beam) const;
+  std::optional<Echo> look(const Shot& shot, double t, std::uint64_t beam) const;
+  std::optional<Echo> look_along_line(const Shot& shot, double t, std::uint64_t beam) const;
+  std::optional<Echo> look_with_width(const Shot& shot, double t, std::uint64_t beam) const;
 };
 
 }  // namespace rayfield::sim

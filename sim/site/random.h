@@ -31,6 +31,8 @@ enum class Stream : std::uint64_t {
   gps = 19,
   gps_bias = 20,
   experiment = 21,
+  wind = 22,
+  disturbance = 23,
 };
 
 /// Finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection of 64-bit words in which every input bit changes

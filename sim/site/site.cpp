@@ -87,6 +87,8 @@ SiteFinding check_rows(const Site& site) {
 
 SiteFinding check_sensors(const Site& site) {
   if (site.lidar.max_range_m <= site.lidar.min_range_m) return {"lidar.max_range_m", "it does not exceed min_range_m"};
+  if (site.lidar.divergence_z_mrad > 0 && site.lidar.divergence_mrad == 0)
+    return {"lidar.divergence_z_mrad", "it needs divergence_mrad beside it"};
   if (site.spinning.time_increment_s * site.spinning.beams > 1 / site.spinning.rate_hz)
     return {"spinning.time_increment_s", "a scan takes longer than the time to the next"};
   if (site.multi_beam.elevation_max_deg < site.multi_beam.elevation_min_deg)
@@ -159,6 +161,7 @@ std::string Site::crs_code() const { return crs.empty() ? default_crs(latitude_d
 
 Site without_errors(Site site) {
   site.lidar.range_noise_m = site.lidar.dropout_fraction = 0;
+  site.disturbance = SiteDisturbance();
   site.spinning.encoder_noise_rad = 0;
   site.gps.noise_horizontal_m = site.gps.noise_vertical_m = 0;
   site.gps.bias_horizontal_m = site.gps.bias_vertical_m = 0;

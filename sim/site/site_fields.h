@@ -24,8 +24,15 @@ inline constexpr Choices<LeafAngles, 7> kLeafAngles{{{"spherical", LeafAngles::s
                                                      {"ellipsoidal", LeafAngles::ellipsoidal}}};
 inline constexpr Choices<LidarKind, 2> kLidarKinds{
     {{"spinning", LidarKind::spinning}, {"multi_beam", LidarKind::multi_beam}}};
+inline constexpr Choices<EnergyProfile, 2> kEnergyProfiles{
+    {{"uniform", EnergyProfile::uniform}, {"gaussian", EnergyProfile::gaussian}}};
+inline constexpr Choices<ReturnMode, 3> kReturnModes{
+    {{"first", ReturnMode::first}, {"strongest", ReturnMode::strongest}, {"last", ReturnMode::last}}};
 inline constexpr Choices<LaneOrder, 3> kLaneOrders{
     {{"skip", LaneOrder::skip}, {"sequential", LaneOrder::sequential}, {"reverse", LaneOrder::reverse}}};
+
+/// A bundle of this many rays fits on the stack of the ray caster.
+inline constexpr int kMaxSubRays = 256;
 
 template <class V>
 void visit_scene(V& v, Site& s) {
@@ -103,8 +110,34 @@ void visit_sensors(V& v, Site& s) {
   v.number("max_range_m", s.lidar.max_range_m, 1, 300);
   v.number("range_noise_m", s.lidar.range_noise_m, 0, 0.5);
   v.number("dropout_fraction", s.lidar.dropout_fraction, 0, 1);
+  v.number("beam_diameter_m", s.lidar.beam_diameter_m, 0, 0.2);
   v.number("divergence_mrad", s.lidar.divergence_mrad, 0, 50);
-  v.integer("sub_rays", s.lidar.sub_rays, 1, 64);
+  v.number("divergence_z_mrad", s.lidar.divergence_z_mrad, 0, 50);
+  v.choice("energy_profile", s.lidar.energy_profile, kEnergyProfiles);
+  v.number("detection_share", s.lidar.detection_share, 0.001, 1);
+  v.number("detection_range_exponent", s.lidar.detection_range_exponent, -4, 4);
+  v.number("range_resolution_m", s.lidar.range_resolution_m, 0, 2);
+  v.choice("returns", s.lidar.returns, kReturnModes);
+  v.integer("sub_rays", s.lidar.sub_rays, 1, kMaxSubRays);
+  v.leave();
+  v.enter("reflectance");
+  v.number("ground", s.reflectance.ground, 0.01, 1);
+  v.number("grass", s.reflectance.grass, 0.01, 1);
+  v.number("leaf", s.reflectance.leaf, 0.01, 1);
+  v.number("wood", s.reflectance.wood, 0.01, 1);
+  v.number("post", s.reflectance.post, 0.01, 1);
+  v.number("wire", s.reflectance.wire, 0.01, 1);
+  v.number("building", s.reflectance.building, 0.01, 1);
+  v.leave();
+  v.enter("wind");
+  v.number("rms_m", s.wind.rms_m, 0, 0.3);
+  v.number("coherence_m", s.wind.coherence_m, 0.01, 100);
+  v.leave();
+  v.enter("disturbance");
+  v.number("dust_share", s.disturbance.dust_share, 0, 0.5);
+  v.number("rain_per_m", s.disturbance.rain_per_m, 0, 0.1);
+  v.number("spurious_share", s.disturbance.spurious_share, 0, 0.5);
+  v.number("lost_echo_share", s.disturbance.lost_echo_share, 0, 1);
   v.leave();
   v.enter("spinning");
   v.integer("beams", s.spinning.beams, 2, 10000);

@@ -3,12 +3,17 @@
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 namespace rayfield::sim {
 namespace {
+
+constexpr std::size_t kPacket = 8;
 
 tl::unexpected<Error> embree_error(RTCDevice device) {
   const RTCError code = rtcGetDeviceError(device);
@@ -46,18 +51,28 @@ Result<RayScene> RayScene::create() {
 }
 
 Result<void> RayScene::add(const TriangleMesh& mesh, Material material) {
+  return add_moving(mesh, {&mesh.vertices, 1}, material);
+}
+
+Result<void> RayScene::add_moving(const TriangleMesh& mesh, std::span<const std::vector<Eigen::Vector3f>> vertices,
+                                  Material material) {
   if (mesh.triangles.empty()) return {};
   RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   if (geometry == nullptr) return embree_error(impl_->device);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(vertices.size()));
+  bool failed = false;
+  for (unsigned step = 0; step < vertices.size(); ++step) {
+    void* buffer = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3,
                                            sizeof(Eigen::Vector3f), mesh.vertices.size());
+    failed = failed || buffer == nullptr;
+    if (!failed) std::memcpy(buffer, vertices[step].data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
+  }
   void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                           sizeof(mesh.triangles[0]), mesh.triangles.size());
-  if (vertices == nullptr || indices == nullptr) {
+  if (failed || indices == nullptr) {
     rtcReleaseGeometry(geometry);
     return embree_error(impl_->device);
   }
-  std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
   std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   rtcCommitGeometry(geometry);
   const unsigned id = rtcAttachGeometry(impl_->scene, geometry);
@@ -75,7 +90,7 @@ Result<void> RayScene::commit() {
 }
 
 std::optional<SceneHit> RayScene::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                                       double max_range_m) const {
+                                       double max_range_m, double time) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
@@ -87,7 +102,7 @@ std::optional<SceneHit> RayScene::cast(const Eigen::Vector3d& origin, const Eige
   query.ray.dir_z = static_cast<float>(direction.z());
   query.ray.tnear = 0;
   query.ray.tfar = static_cast<float>(max_range_m);
-  query.ray.time = 0;
+  query.ray.time = static_cast<float>(time);
   query.ray.mask = ~0U;
   query.ray.id = 0;
   query.ray.flags = 0;
@@ -102,6 +117,46 @@ std::optional<SceneHit> RayScene::cast(const Eigen::Vector3d& origin, const Eige
   hit.material = impl_->materials[query.hit.geomID];
   hit.cos_incidence = std::abs(normal.dot(direction)) / normal.norm();
   return hit;
+}
+
+void RayScene::cast(std::span<const SceneRay> rays, double max_range_m, double time, std::span<SceneHit> hits) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const std::size_t count = std::min(kPacket, rays.size() - first);
+    alignas(64) std::array<int, kPacket> valid{};
+    RTCRayHit8 query;
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      valid[i] = i < count ? -1 : 0;
+      const SceneRay& ray = rays[first + std::min(i, count - 1)];
+      query.ray.org_x[i] = static_cast<float>(ray.origin.x());
+      query.ray.org_y[i] = static_cast<float>(ray.origin.y());
+      query.ray.org_z[i] = static_cast<float>(ray.origin.z());
+      query.ray.dir_x[i] = static_cast<float>(ray.direction.x());
+      query.ray.dir_y[i] = static_cast<float>(ray.direction.y());
+      query.ray.dir_z[i] = static_cast<float>(ray.direction.z());
+      query.ray.tnear[i] = 0;
+      query.ray.tfar[i] = static_cast<float>(max_range_m);
+      query.ray.time[i] = static_cast<float>(time);
+      query.ray.mask[i] = ~0U;
+      query.ray.id[i] = 0;
+      query.ray.flags[i] = 0;
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid.data(), impl_->scene, &context, &query);
+    for (std::size_t i = 0; i < count; ++i) {
+      SceneHit& hit = hits[first + i];
+      hit = {std::numeric_limits<double>::infinity(), Material::ground, 0};
+      if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      const Eigen::Vector3d normal(static_cast<double>(query.hit.Ng_x[i]), static_cast<double>(query.hit.Ng_y[i]),
+                                   static_cast<double>(query.hit.Ng_z[i]));
+      hit.range_m = static_cast<double>(query.ray.tfar[i]);
+      hit.material = impl_->materials[query.hit.geomID[i]];
+      hit.cos_incidence = std::abs(normal.dot(rays[first + i].direction)) / normal.norm();
+    }
+  }
 }
 
 std::size_t RayScene::triangle_count() const { return impl_->triangles; }

@@ -12,6 +12,7 @@
 #include "sim/world/terrain.h"
 #include "sim/world/trellis.h"
 #include "sim/world/vine_wood.h"
+#include "sim/world/wind.h"
 
 namespace rayfield::sim {
 namespace {
@@ -88,7 +89,13 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
     RAYFIELD_CHECK(scene.add(meshes.posts, Material::post));
     RAYFIELD_CHECK(scene.add(meshes.wires, Material::wire));
     RAYFIELD_CHECK(scene.add(meshes.wood, Material::wood));
-    RAYFIELD_CHECK(scene.add(meshes.leaves, Material::leaf));
+    if (site.wind.rms_m > 0) {
+      const auto blown =
+          blown_leaves(site, site.dates[date_index].seed, impl->block, static_cast<int>(row), meshes.leaves);
+      RAYFIELD_CHECK(scene.add_moving(meshes.leaves, blown, Material::leaf));
+    } else {
+      RAYFIELD_CHECK(scene.add(meshes.leaves, Material::leaf));
+    }
     impl->posts.insert(impl->posts.end(), meshes.post_list.begin(), meshes.post_list.end());
     impl->leaf_count += meshes.leaf_count;
     meshes = RowMeshes();
@@ -125,9 +132,13 @@ const std::vector<RowAreas>& World::areas() const { return impl_->areas; }
 std::uint64_t World::leaf_count() const { return impl_->leaf_count; }
 std::uint64_t World::triangle_count() const { return impl_->scene.triangle_count(); }
 
-std::optional<SceneHit> World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                                    double max_range_m) const {
-  return impl_->scene.cast(origin, direction, max_range_m);
+std::optional<SceneHit> World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range_m,
+                                    double time_s) const {
+  return impl_->scene.cast(origin, direction, max_range_m, wind_phase(time_s));
+}
+
+void World::cast(std::span<const SceneRay> rays, double max_range_m, double time_s, std::span<SceneHit> hits) const {
+  impl_->scene.cast(rays, max_range_m, wind_phase(time_s), hits);
 }
 
 }  // namespace rayfield::sim

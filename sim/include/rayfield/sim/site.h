@@ -97,14 +97,49 @@ enum class LidarKind {
   multi_beam,  ///< a fixed scanner with several beams over 360°
 };
 
+/// Energy over the beam's cross-section. The diameter of a Gaussian beam is where it falls to 1/e².
+enum class EnergyProfile { uniform, gaussian };
+
+/// Which echo of a beam becomes its return.
+enum class ReturnMode { first, strongest, last };
+
 struct SiteLidar {
   LidarKind kind = LidarKind::spinning;
   double min_range_m = 0.2;
   double max_range_m = 40;
   double range_noise_m = 0.012;     ///< standard deviation
   double dropout_fraction = 0.002;  ///< returns reported as NaN
-  double divergence_mrad = 0;       ///< full angle of the beam; used with sub_rays > 1
-  int sub_rays = 1;                 ///< rays per beam, the first return counts, 1–64
+  double beam_diameter_m = 0;       ///< of the beam where it leaves the lidar
+  double divergence_mrad = 0;       ///< full angle of the beam, in the lidar's x–y plane
+  double divergence_z_mrad = 0;     ///< full angle across that plane; 0: the beam is round
+  EnergyProfile energy_profile = EnergyProfile::uniform;
+  double detection_share = 0.25;        ///< of the beam's energy that has to fall on leaves to make an echo
+  double detection_range_exponent = 0;  ///< that share grows with (range / 5 m) to this power
+  double range_resolution_m = 0.15;     ///< surfaces closer behind each other make one echo
+  ReturnMode returns = ReturnMode::first;
+  int sub_rays = 37;  ///< per beam that has a width; 1: the beam is a line
+
+  /// Whether the beam has a width; else it is a line.
+  bool wide() const { return sub_rays > 1 && (beam_diameter_m > 0 || divergence_mrad > 0 || divergence_z_mrad > 0); }
+};
+
+/// Share of light that a surface sends back at right angles.
+struct SiteReflectance {
+  double ground = 0.35, grass = 0.5, leaf = 0.55, wood = 0.35, post = 0.45, wire = 0.7, building = 0.65;
+};
+
+/// Leaves move with the wind during a drive; their mean place is the one of the truth.
+struct SiteWind {
+  double rms_m = 0;          ///< of a leaf's displacement, along each horizontal axis; a third of it up and down
+  double coherence_m = 0.3;  ///< along the row: leaves closer than this move together, as those of a shoot
+};
+
+/// Returns that the scene does not explain, and echoes that get lost.
+struct SiteDisturbance {
+  double dust_share = 0;       ///< of beams that end in dust close to the vehicle
+  double rain_per_m = 0;       ///< chance per metre that a drop ends the beam
+  double spurious_share = 0;   ///< of beams with a false return anywhere within range
+  double lost_echo_share = 0;  ///< of the weakest echoes that get lost; none from twice the detectable energy up
 };
 
 /// The spun 2-D scanner (SICK LMS511-like).
@@ -204,6 +239,9 @@ struct Site {
   SiteSurroundings surroundings;
   SiteVehicle vehicle;
   SiteLidar lidar;
+  SiteReflectance reflectance;
+  SiteWind wind;
+  SiteDisturbance disturbance;
   SiteSpinning spinning;
   SiteMultiBeam multi_beam;
   SiteMount mount;

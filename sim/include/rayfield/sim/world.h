@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "rayfield/core/progress.h"
@@ -22,6 +23,11 @@ struct SceneHit {
   double range_m = 0;
   Material material = Material::ground;
   double cos_incidence = 0;  ///< |cos| of the angle between ray and surface normal
+};
+
+/// A ray in ENU; the direction is a unit vector.
+struct SceneRay {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(), direction = Eigen::Vector3d::UnitX();
 };
 
 enum class PostKind { strainer, line };
@@ -55,7 +61,7 @@ struct RowAreas {
   IntervalAreas panels, metres;  ///< `metres`: every 0.5 m, the last shorter where the length wants it
 };
 
-/// Everything that stands still on one date, ready for ray casting. Copies share the scene.
+/// A block on one date, ready for ray casting. Copies share the scene.
 class World {
  public:
   const Site& site() const;
@@ -69,9 +75,13 @@ class World {
   std::uint64_t leaf_count() const;            ///< leaves present
   std::uint64_t triangle_count() const;
 
-  /// The nearest surface from `origin` (ENU, m) along the unit vector `direction`. Safe from any thread.
-  std::optional<SceneHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                               double max_range_m) const;
+  /// The nearest surface from `origin` (ENU, m) along the unit vector `direction`, `time_s` after the start of the
+  /// drive: leaves move with the wind. Safe from any thread.
+  std::optional<SceneHit> cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range_m,
+                               double time_s = 0) const;
+  /// The same for rays that lie close together, which is faster: one hit per ray, its range infinite where nothing was
+  /// met.
+  void cast(std::span<const SceneRay> rays, double max_range_m, double time_s, std::span<SceneHit> hits) const;
 
  private:
   friend Result<World> build_world(const Site&, std::size_t, int, Progress&);
