@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace rayfield::sim {
 namespace {
@@ -24,8 +23,7 @@ std::optional<Echo> disturbed(const Site& site, const std::optional<Echo>& echo,
   const SiteLidar& lidar = site.lidar;
   const bool in_dust = random.uniform() < options.dust_share;
   const double dust = lidar.min_range_m + exponential(kDustDepth_m, random);
-  const double drop = options.rain_per_m > 0 ? exponential(1 / options.rain_per_m, random)
-                                             : (random.bits(), std::numeric_limits<double>::infinity());
+  const double drop = exponential(1, random) / options.rain_per_m;  // infinitely far without rain
   const bool spurious = random.uniform() < options.spurious_share;
   const double anywhere = random.uniform(lidar.min_range_m, lidar.max_range_m);
   const double particle = std::min(in_dust ? dust : drop, drop);

@@ -10,9 +10,9 @@ namespace rayfield::sim {
 
 /// What one sub-ray of a beam met.
 struct SubEcho {
-  double range_m = 0;
-  double energy = 0;    ///< share of the beam's energy times reflectance, relative to a leaf that takes the whole beam
-  double strength = 0;  ///< the same for intensity, on a scale to 255
+  double range_m;
+  double energy;    ///< share of the beam's energy times reflectance, relative to a leaf that takes the whole beam
+  double strength;  ///< the same for intensity, on a scale to 255
 };
 
 /// What the lidar makes of surfaces that lie within its range resolution.

@@ -1,8 +1,6 @@
 #include "sim/scan/scanner.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,39 +8,11 @@
 #include "sim/drive/true_trajectory.h"
 #include "sim/scan/disturbance.h"
 #include "sim/site/random.h"
-#include "sim/site/site_fields.h"
 
 namespace rayfield::sim {
 namespace {
 
 constexpr std::size_t kBeamsPerChunk = 20000;
-
-double reflectance(const SiteReflectance& of, Material material) {
-  switch (material) {
-    case Material::ground:
-      return of.ground;
-    case Material::grass:
-      return of.grass;
-    case Material::leaf:
-      return of.leaf;
-    case Material::wood:
-      return of.wood;
-    case Material::post:
-      return of.post;
-    case Material::wire:
-      return of.wire;
-    case Material::building:
-      return of.building;
-  }
-  return of.leaf;
-}
-
-// What a surface that takes `share` of the beam adds to its echo. Intensity follows Lambert's law, softened; whether it
-// is seen at all does not depend on the angle of incidence.
-SubEcho sub_echo(const SiteReflectance& of, const SceneHit& hit, double share) {
-  const double reflected = reflectance(of, hit.material);
-  return {hit.range_m, share * reflected / of.leaf, share * (255 * reflected * (0.3 + 0.7 * hit.cos_incidence))};
-}
 
 // Received strength on a scale to 255, falling with range.
 float received_intensity(const Echo& echo, double max_range, CounterRandom& random) {
@@ -59,7 +29,7 @@ Result<Scanner> Scanner::create(const World& world, const Drive& drive) {
   Scanner scanner(world, drive, map);
   scanner.pattern_ = beam_pattern(world.site());
   const SiteLidar& lidar = world.site().lidar;
-  if (lidar.wide()) scanner.disc_ = beam_disc(lidar.energy_profile, lidar.sub_rays);
+  if (lidar.wide()) scanner.wide_beam_.emplace(lidar, world.site().reflectance);
   scanner.rig_ = site_rig(world.site());
   scanner.imu_from_spinner_ = scanner.rig_.imu_from_spinner.rotation.toRotationMatrix();
   scanner.spinner_from_lidar_ = scanner.rig_.spinner_from_lidar.rotation.toRotationMatrix();
@@ -70,7 +40,7 @@ Result<Scanner> Scanner::create(const World& world, const Drive& drive) {
   return scanner;
 }
 
-Scanner::Shot Scanner::shoot(double t, const Eigen::Vector3d& direction) const {
+Shot Scanner::shoot(double t, const Eigen::Vector3d& direction) const {
   const TrueTrajectory::PoseMatrix pose = drive_.trajectory->pose(t);
   Shot shot;
   Eigen::Matrix3d enu_from_turned = pose.rotation * imu_from_spinner_;
@@ -103,38 +73,22 @@ std::optional<Echo> Scanner::look_along_line(const Shot& shot, double t, std::ui
   return Echo{met.range_m, met.energy, met.strength};
 }
 
-// Sub-rays start on the disc of the exit and diverge from there; the disc is turned at random from beam to beam, so
-// that its pattern cannot line up with edges.
-std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::uint64_t beam) const {
+// The disc is turned at random from beam to beam, so that its pattern cannot line up with edges.
+std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::uint64_t beam,
+                                             WideBeam::Bundle& bundle) const {
   const Site& site = world_.site();
-  const SiteLidar& lidar = site.lidar;
   CounterRandom random(world_.date().seed, Stream::lidar, ~beam);
-  const Eigen::Rotation2Dd turn(2 * std::numbers::pi * random.uniform());
-  const double start = 0.5 * lidar.beam_diameter_m, slope = 0.5e-3 * lidar.divergence_mrad;
-  const double slope_z = lidar.divergence_z_mrad > 0 ? 0.5e-3 * lidar.divergence_z_mrad : slope;
-  std::array<SceneRay, kMaxSubRays> rays;
-  for (std::size_t i = 0; i < disc_.size(); ++i) {
-    const Eigen::Vector2d p = turn * disc_[i];
-    rays[i].origin = shot.origin + start * (p.x() * shot.across + p.y() * shot.along_z);
-    rays[i].direction = (shot.direction + slope * p.x() * shot.across + slope_z * p.y() * shot.along_z).normalized();
-  }
-  std::array<SceneHit, kMaxSubRays> hits;
-  world_.cast({rays.data(), disc_.size()}, lidar.max_range_m, t, {hits.data(), disc_.size()});
-  std::array<SubEcho, kMaxSubRays> met;
-  std::size_t count = 0;
-  const double share = 1 / static_cast<double>(disc_.size());
-  for (std::size_t i = 0; i < disc_.size(); ++i)
-    if (std::isfinite(hits[i].range_m)) met[count++] = sub_echo(site.reflectance, hits[i], share);
-  const double dither = share * (random.uniform() - 0.5);
+  wide_beam_->aim(shot, 2 * std::numbers::pi * random.uniform(), bundle);
+  world_.cast(bundle.rays, site.lidar.max_range_m, t, bundle.hits);
   CounterRandom loss(world_.date().seed, Stream::disturbance, ~beam);
   const auto lost = [&](const Echo& echo) {
-    return loss.uniform() < chance_of_loss(site.disturbance, echo.energy, detectable_energy(lidar, echo.range_m));
+    return loss.uniform() < chance_of_loss(site.disturbance, echo.energy, detectable_energy(site.lidar, echo.range_m));
   };
-  return beam_return(lidar, {met.data(), count}, dither, lost);
+  return wide_beam_->receive(bundle.hits, random.uniform() - 0.5, lost);
 }
 
-std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam) const {
-  const std::optional<Echo> echo = disc_.empty() ? look_along_line(shot, t, beam) : look_with_width(shot, t, beam);
+std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const {
+  const std::optional<Echo> echo = wide_beam_ ? look_with_width(shot, t, beam, bundle) : look_along_line(shot, t, beam);
   if (!any(world_.site().disturbance)) return echo;
   CounterRandom random(world_.date().seed, Stream::disturbance, beam);
   return disturbed(world_.site(), echo, random);
@@ -142,7 +96,7 @@ std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam
 
 // One lidar message and its rays. Random numbers are drawn by the number of the beam, hits or not, so that no beam
 // depends on another.
-void Scanner::render_scan(std::size_t index, bool want_rays, Chunk& out) const {
+void Scanner::render_scan(std::size_t index, bool want_rays, WideBeam::Bundle& bundle, Chunk& out) const {
   const SiteLidar& lidar = world_.site().lidar;
   const double start = static_cast<double>(index) * pattern_.period_s;
   LidarScan scan;
@@ -155,7 +109,7 @@ void Scanner::render_scan(std::size_t index, bool want_rays, Chunk& out) const {
     const std::uint64_t beam = index * beams + i;
     const double t = start + static_cast<double>(pattern_.time_offset_s[i]);
     const Shot shot = shoot(t, pattern_.direction[i].cast<double>());
-    const std::optional<Echo> hit = look(shot, t, beam);
+    const std::optional<Echo> hit = look(shot, t, beam, bundle);
     float range = std::numeric_limits<float>::infinity(), intensity = 0;
     if (hit) {
       CounterRandom random(world_.date().seed, Stream::lidar, beam);
@@ -184,7 +138,8 @@ void Scanner::render(std::size_t chunk, bool want_rays, Chunk& out) const {
   out = Chunk();
   const std::size_t first = chunk * scans_per_chunk_, last = std::min(first + scans_per_chunk_, scan_count_);
   if (want_rays) out.rays.reserve((last - first) * beams_per_scan());
-  for (std::size_t scan = first; scan < last; ++scan) render_scan(scan, want_rays, out);
+  WideBeam::Bundle bundle;
+  for (std::size_t scan = first; scan < last; ++scan) render_scan(scan, want_rays, bundle, out);
 }
 
 }  // namespace rayfield::sim

@@ -2,6 +2,7 @@
 
 /// scan/: what the sensors measure on a drive: lidar messages and rays, IMU, encoder, GPS.
 
+#include <optional>
 #include <vector>
 
 #include "rayfield/core/ray.h"
@@ -9,9 +10,9 @@
 #include "rayfield/sim/drive.h"
 #include "rayfield/sim/simulate.h"
 #include "rayfield/sim/world.h"
-#include "sim/scan/beam_disc.h"
 #include "sim/scan/beams.h"
 #include "sim/scan/echoes.h"
+#include "sim/scan/wide_beam.h"
 #include "sim/world/map_from_enu.h"
 
 namespace rayfield::sim {
@@ -37,24 +38,20 @@ class Scanner {
   Scanner(World world, Drive drive, const MapFromEnu& map)
       : world_(std::move(world)), drive_(std::move(drive)), map_(map) {}
 
-  struct Shot {
-    Eigen::Vector3d origin, direction;  // in ENU
-    Eigen::Vector3d across, along_z;  // of the beam's cross-section: in the lidar's x–y plane and at right angles to it
-  };
   World world_;
   Drive drive_;
   MapFromEnu map_;
   BeamPattern pattern_;
-  std::vector<Eigen::Vector2d> disc_;  // sub-rays of a beam with a width
+  std::optional<WideBeam> wide_beam_;  // absent: beams are lines
   Rig rig_;
   Eigen::Matrix3d imu_from_spinner_, spinner_from_lidar_;
   std::size_t scan_count_ = 0, scans_per_chunk_ = 1;
 
-  void render_scan(std::size_t index, bool want_rays, Chunk& out) const;
+  void render_scan(std::size_t index, bool want_rays, WideBeam::Bundle& bundle, Chunk& out) const;
   Shot shoot(double t, const Eigen::Vector3d& direction) const;
-  std::optional<Echo> look(const Shot& shot, double t, std::uint64_t beam) const;
+  std::optional<Echo> look(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const;
   std::optional<Echo> look_along_line(const Shot& shot, double t, std::uint64_t beam) const;
-  std::optional<Echo> look_with_width(const Shot& shot, double t, std::uint64_t beam) const;
+  std::optional<Echo> look_with_width(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const;
 };
 
 }  // namespace rayfield::sim

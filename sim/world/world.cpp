@@ -37,6 +37,13 @@ RowMeshes build_row(const Ground& ground, int row, const std::vector<Vine>& vine
   return meshes;
 }
 
+// Leaves stand still, or move with the wind of the date.
+Result<void> add_leaves(const Site& site, const SiteDate& date, const BlockGeometry& block, int row,
+                        const TriangleMesh& leaves, RayScene& scene) {
+  if (site.wind.rms_m == 0) return scene.add(leaves, Material::leaf);
+  return scene.add_moving(leaves, blown_leaves(site, date.seed, block, row, leaves), Material::leaf);
+}
+
 }  // namespace
 
 struct World::Impl {
@@ -89,13 +96,7 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
     RAYFIELD_CHECK(scene.add(meshes.posts, Material::post));
     RAYFIELD_CHECK(scene.add(meshes.wires, Material::wire));
     RAYFIELD_CHECK(scene.add(meshes.wood, Material::wood));
-    if (site.wind.rms_m > 0) {
-      const auto blown =
-          blown_leaves(site, site.dates[date_index].seed, impl->block, static_cast<int>(row), meshes.leaves);
-      RAYFIELD_CHECK(scene.add_moving(meshes.leaves, blown, Material::leaf));
-    } else {
-      RAYFIELD_CHECK(scene.add(meshes.leaves, Material::leaf));
-    }
+    RAYFIELD_CHECK(add_leaves(site, site.dates[date_index], impl->block, static_cast<int>(row), meshes.leaves, scene));
     impl->posts.insert(impl->posts.end(), meshes.post_list.begin(), meshes.post_list.end());
     impl->leaf_count += meshes.leaf_count;
     meshes = RowMeshes();

@@ -152,15 +152,15 @@ TEST(Simulate, MultiBeamMessagesHoldOneRevolutionWithTimesPerPoint) {
   EXPECT_GT(record.summary.hits, record.summary.beams / 4);
 }
 
-// A beam of 11.5 mrad is at least 8 mm wide where the wires hang; a ray meets 3 mm of wire, the beam all of its width
-// more.
+// A beam of 11.5 mrad is at least 8 mm wide where the wires hang; a ray meets 3 mm of wire, a beam of which a sliver is
+// enough (k(0.03) = 0.89) 7 mm more.
 TEST(Simulate, AWideBeamMeetsMoreWireThanANarrowOne) {
   Site site = without_errors(bare_site());
   site.structure.wire_heights_m = {2.6, 2.9};  // over the lidar: nothing else is up there
   const auto upward_hits = [&](double divergence) {
     Site copy = site;
     copy.lidar.divergence_mrad = divergence;
-    copy.lidar.sub_rays = 4;
+    copy.lidar.detection_share = 0.03;
     copy.dates[0].lanes = {0};
     const RecordedDrive record(copy);
     int count = 0;

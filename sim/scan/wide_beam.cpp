@@ -1,0 +1,68 @@
+#include "sim/scan/wide_beam.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+#include "sim/scan/beam_disc.h"
+#include "sim/site/site_fields.h"
+
+namespace rayfield::sim {
+namespace {
+
+double reflected_share(const SiteReflectance& of, Material material) {
+  switch (material) {
+    case Material::ground:
+      return of.ground;
+    case Material::grass:
+      return of.grass;
+    case Material::leaf:
+      return of.leaf;
+    case Material::wood:
+      return of.wood;
+    case Material::post:
+      return of.post;
+    case Material::wire:
+      return of.wire;
+    case Material::building:
+      return of.building;
+  }
+  return of.leaf;
+}
+
+}  // namespace
+
+// Intensity follows Lambert's law, softened; whether a surface is seen at all does not depend on the angle.
+SubEcho sub_echo(const SiteReflectance& reflectance, const SceneHit& hit, double share) {
+  const double reflected = reflected_share(reflectance, hit.material);
+  return {hit.range_m, share * reflected / reflectance.leaf,
+          share * (255 * reflected * (0.3 + 0.7 * hit.cos_incidence))};
+}
+
+WideBeam::WideBeam(const SiteLidar& lidar, const SiteReflectance& reflectance)
+    : lidar_(lidar), reflectance_(reflectance), disc_(beam_disc(lidar.energy_profile, lidar.sub_rays)) {}
+
+void WideBeam::aim(const Shot& shot, double turn_rad, Bundle& bundle) const {
+  bundle.rays.resize(disc_.size()), bundle.hits.resize(disc_.size());
+  const Eigen::Rotation2Dd turn(turn_rad);
+  const double radius = 0.5 * lidar_.beam_diameter_m, slope = 0.5e-3 * lidar_.divergence_mrad;
+  const double slope_z = lidar_.divergence_z_mrad > 0 ? 0.5e-3 * lidar_.divergence_z_mrad : slope;
+  for (std::size_t i = 0; i < disc_.size(); ++i) {
+    const Eigen::Vector2d p = turn * disc_[i];
+    bundle.rays[i].origin = shot.origin + radius * (p.x() * shot.across + p.y() * shot.along_z);
+    bundle.rays[i].direction =
+        (shot.direction + slope * p.x() * shot.across + slope_z * p.y() * shot.along_z).normalized();
+  }
+}
+
+std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, double dither,
+                                      const std::function<bool(const Echo&)>& lost) const {
+  std::array<SubEcho, kMaxSubRays> met;
+  std::size_t count = 0;
+  const double share = 1 / static_cast<double>(disc_.size());
+  for (const SceneHit& hit : hits)
+    if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, hit, share);
+  return beam_return(lidar_, {met.data(), count}, share * dither, lost);
+}
+
+}  // namespace rayfield::sim
