@@ -108,7 +108,8 @@ void add_add_command(Commands& commands) {
                    "Ray clouds (raycloudtools PLY) or logs (ROS 1 bag) of one scan, in the order of their times")
       ->required();
   command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
-  command->add_option("--rig", arguments->inputs.rig_file, "Rig file, for logs (docs/rig.md)");
+  command->add_option("--rig", arguments->inputs.rig_file,
+                      "Rig file: of a log all of it, of a ray cloud the lidar's beam (docs/rig.md)");
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
   command

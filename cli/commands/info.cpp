@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/console/beam_text.h"
 #include "cli/console/text.h"
 #include "cli/drives/drive_log.h"
 #include "rayfield/core/date.h"
@@ -43,6 +44,10 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
       {"path", path}, {"kind", "ray cloud"}, {"rays", rays}, {"hits", hits}, {"problems", reader->warnings()}};
   if (reader->crs()) outcome.data["crs"] = *reader->crs();
   outcome.text = fmt::format("{}: ray cloud, {} rays, {} hits\n", path, grouped(rays), grouped(hits));
+  if (const auto beam = reader->beam()) {
+    outcome.data["beam"] = beam_json(*beam);
+    outcome.text += fmt::format("  beam: {}\n", beam_text(*beam));
+  }
   if (rays > 0) {
     outcome.data["start_utc"] = utc_text(first), outcome.data["end_utc"] = utc_text(last);
     const auto box = [](const Eigen::AlignedBox3d& b) {

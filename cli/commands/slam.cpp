@@ -50,7 +50,7 @@ Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& ar
   // A cloud in a local frame says so, lest it be added to a store as if it were in the store's CRS.
   const std::string& crs = drive.trajectory->crs;
   RAYFIELD_ASSIGN(formats::PlyWriter cloud,
-                  formats::PlyWriter::create(arguments.cloud, {crs.empty() ? kLocalFrame : crs}));
+                  formats::PlyWriter::create(arguments.cloud, {crs.empty() ? kLocalFrame : crs, drive.beam}));
   progress.stage("rays", 0, "rays");
   RayBatch batch;
   while (true) {

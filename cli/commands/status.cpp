@@ -5,6 +5,7 @@
 #include "cli/commands/commands.h"
 #include "cli/commands/store_command.h"
 #include "cli/console/alignment_text.h"
+#include "cli/console/beam_text.h"
 #include "cli/console/text.h"
 #include "rayfield/core/date.h"
 #include "rayfield/density/registry.h"
@@ -49,6 +50,7 @@ ordered_json scan_json(const tile::ScanEntry& scan) {
       {"files", files},
       {"warnings", scan.warnings}};
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
+  if (scan.beam) json["beam"] = beam_json(*scan.beam);
   return json;
 }
 
@@ -74,6 +76,7 @@ Result<Outcome> store_status(const std::string& folder) {
                     scan.tiles.size(), bytes_text(entry["ray_bytes"].get<std::uint64_t>()),
                     entry["bytes_per_ray"].get<double>(), is_processed(scan) ? ", processed" : ", not processed");
     if (scan.alignment) outcome.text += fmt::format("    {}\n", alignment_text(*scan.alignment));
+    if (scan.beam) outcome.text += fmt::format("    beam: {}\n", beam_text(*scan.beam));
     for (const tile::AttachmentEntry& kept : scan.attachments)
       outcome.text += fmt::format("    kept: {}, {}\n", kept.name, bytes_text(kept.file.size));
     for (const std::string& warning : scan.warnings) outcome.text += fmt::format("    note: {}\n", warning);

@@ -179,7 +179,8 @@ void add_update_command(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store");
   command->add_option("LOG|CLOUD", arguments->files, "Logs or ray clouds of one scan, in the order of their times");
   command->add_option("--date", arguments->block.date, "Day of the scan, YYYY-MM-DD");
-  command->add_option("--rig", arguments->block.inputs.rig_file, "Rig file, for logs (docs/rig.md)");
+  command->add_option("--rig", arguments->block.inputs.rig_file,
+                      "Rig file: of a log all of it, of a ray cloud the lidar's beam (docs/rig.md)");
   command->add_option("--name", arguments->block.name, "Label of the scan; needed for a second scan of one day");
   command->add_flag("--align,!--no-align", arguments->block.inputs.align,
                     "Lay the scan on the block's reference by posts, trunks and ground (docs/seasons.md; the default)");

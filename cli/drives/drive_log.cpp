@@ -104,6 +104,7 @@ Result<RegisteredDrive> register_drive(const std::string& log, const std::string
   drive.trajectory = std::make_shared<const slam::Trajectory>(std::move(result.trajectory));
   drive.report = std::move(result.report);
   drive.gps = std::move(result.gps);
+  drive.beam = opened.rig.lidar.beam;
   drive.log_warnings = std::move(opened.warnings);
   drive.rays = slam::open_unwarped(opened.read, opened.rig, drive.trajectory, result.offsets, log);
   return drive;
@@ -121,6 +122,7 @@ Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::str
                   slam::make_trajectory(std::move(given.poses), crs.empty() ? given.crs : crs));
   RegisteredDrive drive;
   drive.trajectory = std::make_shared<const slam::Trajectory>(std::move(trajectory));
+  drive.beam = opened.rig.lidar.beam;
   drive.log_warnings = std::move(opened.warnings);
   drive.rays = slam::open_unwarped(opened.read, opened.rig, drive.trajectory, {}, log);
   return drive;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct RegisteredDrive {
   std::shared_ptr<const slam::Trajectory> trajectory;
   slam::SlamReport report;  ///< empty for a trajectory that was given
   std::vector<slam::GpsMark> gps;
+  std::optional<LidarBeam> beam;          ///< of the lidar, from the rig file
   std::vector<std::string> log_warnings;  ///< damage, clock jumps, late messages
   std::unique_ptr<RaySource> rays;
 };

@@ -79,7 +79,8 @@ Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& pr
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
                                               const fs::path& scratch, int threads, Progress& progress,
                                               std::vector<std::string>& warnings,
-                                              std::vector<tile::NewAttachment>& attachments) {
+                                              std::vector<tile::NewAttachment>& attachments,
+                                              std::optional<LidarBeam>& beam) {
   if (is_log(path)) {
     RAYFIELD_CHECK(require_rig(path, inputs));
     slam::SlamOptions options;
@@ -102,6 +103,7 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
                 "transform it, or make a store in its CRS");
+  if (!beam) beam = reader->beam();
   return std::unique_ptr<RaySource>(std::move(reader));
 }
 
@@ -142,11 +144,15 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
     if (options.dormant) RAYFIELD_CHECK(store.set_dormant(there->scan_id, options.dormant, options.command));
     return AddedScan{std::move(*there), {}, {}};
   }
+  // A rig file knows the lidar better than a cloud's header.
+  if (!inputs.rig_file.empty()) {
+    RAYFIELD_ASSIGN(options.beam, formats::read_rig_beam(inputs.rig_file));
+  }
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
     RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
-                                          warnings, options.attachments));
+                                          warnings, options.attachments, options.beam));
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts), warnings);

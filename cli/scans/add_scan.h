@@ -17,7 +17,7 @@ namespace rayfield::cli {
 /// What `rayfield add` is given.
 struct ScanInputs {
   std::vector<std::filesystem::path> files;  ///< ray clouds (raycloudtools PLY) and logs, in the order of their times
-  std::string rig_file;                      ///< for the logs
+  std::string rig_file;                      ///< of logs all of it, of clouds the lidar's beam
   bool allow_truncated = false;              ///< take what is there of a cloud that was cut short
   bool restore_missing = true;               ///< put back the downward rays without a return that clouds leave out
   bool align = true;                         ///< lay it on the block's reference

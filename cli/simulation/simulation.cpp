@@ -87,7 +87,7 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
   std::optional<formats::PlyWriter> cloud;
   sim::RayCallback on_rays;
   if (output.rays) {
-    auto opened = formats::PlyWriter::create((scan.folder / "rays.ply").string(), {site.crs_code()});
+    auto opened = formats::PlyWriter::create((scan.folder / "rays.ply").string(), {site.crs_code(), rig.lidar.beam});
     if (!opened) return tl::make_unexpected(std::move(opened).error());
     cloud.emplace(std::move(*opened));
     on_rays = [&cloud](const RayBatch& batch) { return cloud->write(batch); };

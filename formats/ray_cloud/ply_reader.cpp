@@ -6,6 +6,7 @@
 
 #include "formats/io/byte_cursor.h"
 #include "formats/io/file_io.h"
+#include "formats/ray_cloud/beam_comment.h"
 #include "formats/ray_cloud/ply_header.h"
 
 namespace rayfield::formats {
@@ -206,6 +207,13 @@ std::vector<std::string> PlyReader::warnings() const {
 std::optional<std::string> PlyReader::crs() const {
   for (const std::string& comment : impl_->header.comments) {
     if (comment.starts_with("crs ")) return comment.substr(4);
+  }
+  return std::nullopt;
+}
+
+std::optional<LidarBeam> PlyReader::beam() const {
+  for (const std::string& comment : impl_->header.comments) {
+    if (const std::optional<LidarBeam> beam = parse_beam_comment(comment)) return beam;
   }
   return std::nullopt;
 }

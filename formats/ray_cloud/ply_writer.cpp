@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/io/file_io.h"
+#include "formats/ray_cloud/beam_comment.h"
 
 namespace rayfield::formats {
 namespace {
@@ -17,12 +18,13 @@ constexpr std::size_t kCountDigits = 20;  // of 2^64
 
 /// The header for a number of rays. It is equally long for every number, so that it can be replaced at the end: a
 /// comment is padded. raycloudtools looks for the words time, intensity and property in any line, comments too.
-std::string header_text(std::uint64_t rays, const std::string& crs) {
+std::string header_text(std::uint64_t rays, const PlyWriteOptions& options) {
   const std::string count = std::to_string(rays);
   std::string text = "ply\nformat binary_little_endian 1.0\ncomment written by rayfield";
   text.append(kCountDigits - count.size(), ' ');
   text += '\n';
-  if (!crs.empty()) text += "comment crs " + crs + "\n";
+  if (!options.crs.empty()) text += "comment crs " + options.crs + "\n";
+  if (options.beam) text += "comment " + beam_comment(*options.beam) + "\n";
   text += "element vertex " + count + "\n";
   for (const char* name : {"x", "y", "z", "time"}) text += std::string("property double ") + name + "\n";
   for (const char* name : {"nx", "ny", "nz"}) text += std::string("property float ") + name + "\n";
@@ -64,7 +66,7 @@ Result<PlyWriter> PlyWriter::create(const std::string& path, const PlyWriteOptio
   auto impl = std::make_unique<Impl>();
   RAYFIELD_ASSIGN(impl->file, OutputFile::create(path, kWhat));
   impl->options = options;
-  RAYFIELD_CHECK(impl->file.write(header_text(0, options.crs)));
+  RAYFIELD_CHECK(impl->file.write(header_text(0, options)));
   return PlyWriter(std::move(impl));
 }
 
@@ -96,7 +98,7 @@ Result<void> PlyWriter::write(const RayBatch& batch) {
 }
 
 Result<void> PlyWriter::close() {
-  const std::string header = header_text(impl_->rays, impl_->options.crs);
+  const std::string header = header_text(impl_->rays, impl_->options);
   RAYFIELD_CHECK(impl_->file.overwrite(0, std::as_bytes(std::span<const char>(header.data(), header.size()))));
   return impl_->file.commit();
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "formats/io/toml_text.h"
+#include "formats/vehicle/lidar_models.h"
 
 namespace rayfield::formats {
 namespace {
@@ -19,6 +20,13 @@ std::uint64_t messages_of(const LogInfo& info, const std::string& topic) {
     if (each.topic == topic) return each.messages;
   }
   return 0;
+}
+
+std::string frame_of(const LogInfo& info, const std::string& topic) {
+  for (const TopicInfo& each : info.topics) {
+    if (each.topic == topic) return each.frame_id;
+  }
+  return "";
 }
 
 /// The sensor whose topic has the most messages; null where there is none.
@@ -38,7 +46,17 @@ const char* no_return_of(const LidarInfo& lidar) {
   return "inf";
 }
 
-std::string lidar_text(const LidarInfo& lidar) {
+/// The model where the log names it; else what to fill in.
+std::string beam_text(const std::string& names) {
+  const std::string_view model = model_in_name(names);
+  if (!model.empty()) return fmt::format("model = \"{}\"  # for the width of its beam; guessed from a name\n", model);
+  return fmt::format(
+      "# model = \"{}\"  # for the width of its beam, which no log tells: one of {};\n"
+      "# or beam_diameter_m and beam_divergence_rad from the sensor's data sheet\n",
+      "LMS511", known_lidar_models());
+}
+
+std::string lidar_text(const LidarInfo& lidar, const std::string& frame_id) {
   const double min_m = lidar.range_min_m && std::isfinite(*lidar.range_min_m) && *lidar.range_min_m >= 0
                            ? std::max(*lidar.range_min_m, 0.01)
                            : 0.2;
@@ -48,6 +66,7 @@ std::string lidar_text(const LidarInfo& lidar) {
       fmt::format("[lidar]\ntopic = {}\nmin_range_m = {:.6g}\nmax_range_m = {:.6g}{}\nno_return = \"{}\"\n",
                   toml_quoted(lidar.topic), min_m, std::min(max_m, 1000.0),
                   stated ? "" : "  # the largest range in the log; take the sensor's data sheet", no_return_of(lidar));
+  text += beam_text(frame_id + " " + lidar.topic);
   const double zeros =
       100.0 * static_cast<double>(lidar.zero) / static_cast<double>(std::max<std::uint64_t>(1, lidar.points));
   const double infinite =
@@ -62,7 +81,8 @@ std::string lidar_text(const LidarInfo& lidar) {
 std::string propose_rig(const LogInfo& info) {
   std::string text = "# Proposed from the log. Check it, and fill in how the sensors are mounted (docs/rig.md).\n";
   const LidarInfo* lidar = busiest(info, info.lidars);
-  text += lidar != nullptr ? lidar_text(*lidar) : "# [lidar]  the log has none that rayfield reads\n";
+  text += lidar != nullptr ? lidar_text(*lidar, frame_of(info, lidar->topic))
+                           : "# [lidar]  the log has none that rayfield reads\n";
   // A spinner is a joint that goes round.
   const JointInfo* spinner = nullptr;
   for (const JointInfo& joint : info.joints) {

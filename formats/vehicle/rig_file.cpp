@@ -12,6 +12,7 @@
 
 #include "formats/io/file_io.h"
 #include "formats/io/toml_text.h"
+#include "formats/vehicle/lidar_models.h"
 #include "rayfield/core/text_file.h"
 
 namespace rayfield::formats {
@@ -164,11 +165,42 @@ class Section {
   std::optional<Error> error_;
 };
 
+/// The beam from the data sheet of `model`, or as the file states it; what is stated rules.
+void take_beam(Section& lidar, std::optional<LidarBeam>& out) {
+  std::string model;
+  lidar.text("model", model);
+  if (!model.empty()) {
+    if (const LidarBeam* known = beam_of_model(model)) {
+      out = *known;
+    } else if (!lidar.has("beam_diameter_m")) {
+      lidar.refuse_key("model", "not a lidar whose beam is known (" + known_lidar_models() +
+                                    "): give beam_diameter_m and beam_divergence_rad as well");
+    }
+  }
+  LidarBeam beam = out.value_or(LidarBeam());
+  lidar.number("beam_diameter_m", 0, kWidestBeam_m, beam.diameter_m);
+  lidar.number("beam_divergence_rad", 0, kWidestDivergence_rad, beam.divergence_rad);
+  if (lidar.has("beam_diameter_m") != lidar.has("beam_divergence_rad") && !out)
+    lidar.missing(lidar.has("beam_diameter_m") ? "beam_divergence_rad" : "beam_diameter_m",
+                  "give both, or the lidar's model; see docs/rig.md");
+  if (lidar.has("beam_diameter_m") || lidar.has("beam_divergence_rad")) out = beam;
+  if (!lidar.has("detection_share")) return;
+  double share = 0;
+  lidar.number("detection_share", 0.001, 1, share);
+  if (!out) return lidar.refuse_key("detection_share", "it needs beam_diameter_m and beam_divergence_rad beside it");
+  out->detection_share = share;
+}
+
+void take_lidar(Section& section, Rig::Lidar& lidar) {
+  section.text("topic", lidar.topic);
+  section.number("min_range_m", 0, 1000, lidar.min_range_m);
+  section.number("max_range_m", 0.1, 1000, lidar.max_range_m);
+  section.no_return("no_return", lidar.no_return);
+  take_beam(section, lidar.beam);
+}
+
 void take_sensors(Section& lidar, Section& spinner, Section& imu, Section& gps, Rig& rig) {
-  lidar.text("topic", rig.lidar.topic);
-  lidar.number("min_range_m", 0, 1000, rig.lidar.min_range_m);
-  lidar.number("max_range_m", 0.1, 1000, rig.lidar.max_range_m);
-  lidar.no_return("no_return", rig.lidar.no_return);
+  take_lidar(lidar, rig.lidar);
   if (spinner.present()) {
     rig.spinner = Rig::Spinner();
     spinner.text("topic", rig.spinner->topic);
@@ -224,8 +256,26 @@ std::string pose_text(const Rigid3& pose) {
   return fmt::format("{{ xyz = {}, q = [{}, {}, {}, {}] }}", vector_text(pose.translation), q.x(), q.y(), q.z(), q.w());
 }
 
+std::string beam_text(const std::optional<LidarBeam>& beam) {
+  if (!beam) return "";
+  std::string text =
+      fmt::format("beam_diameter_m = {}\nbeam_divergence_rad = {}\n", beam->diameter_m, beam->divergence_rad);
+  if (beam->detection_share) text += fmt::format("detection_share = {}\n", *beam->detection_share);
+  return text;
+}
+
 std::string_view no_return_text(NoReturn no_return) {
   return no_return == NoReturn::zero ? "zero" : no_return == NoReturn::max_range ? "max" : "inf";
+}
+
+Result<toml::table> parse_tables(std::string_view text, const std::string& name) {
+  RAYFIELD_CHECK(check_toml_text(text, kWhat, name, "see docs/rig.md"));
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    return fail(ErrorCode::usage, kWhat, fmt::format("{}, line {}", name, e.source().begin.line), e.description(),
+                "see docs/rig.md");
+  }
 }
 
 }  // namespace
@@ -234,6 +284,14 @@ Result<void> validate_rig(const Rig& rig) {
   const auto bad = [](const char* where, const char* why) { return fail(ErrorCode::usage, kWhat, where, why); };
   if (!(rig.lidar.min_range_m >= 0 && rig.lidar.min_range_m < rig.lidar.max_range_m)) {
     return bad("lidar", "min_range_m must be at least 0 and below max_range_m");
+  }
+  if (const auto& beam = rig.lidar.beam) {
+    if (!(beam->diameter_m >= 0 && beam->diameter_m <= kWidestBeam_m))
+      return bad("lidar.beam_diameter_m", "must be 0 to 0.2");
+    if (!(beam->divergence_rad >= 0 && beam->divergence_rad <= kWidestDivergence_rad))
+      return bad("lidar.beam_divergence_rad", "must be 0 to 0.1");
+    if (beam->detection_share && !(*beam->detection_share > 0 && *beam->detection_share <= 1))
+      return bad("lidar.detection_share", "must be above 0 and at most 1");
   }
   const auto is_unit = [](double norm) { return std::abs(norm - 1.0) <= kUnitTolerance; };
   if (rig.spinner && !is_unit(rig.spinner->axis.norm())) return bad("spinner.axis", "must be a unit vector");
@@ -251,14 +309,7 @@ Result<void> validate_rig(const Rig& rig) {
 }
 
 Result<Rig> parse_rig(std::string_view text, const std::string& name) {
-  RAYFIELD_CHECK(check_toml_text(text, kWhat, name, "see docs/rig.md"));
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text);
-  } catch (const toml::parse_error& e) {
-    return fail(ErrorCode::usage, kWhat, fmt::format("{}, line {}", name, e.source().begin.line), e.description(),
-                "see docs/rig.md");
-  }
+  RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, name));
   Section file(&parsed, "", name);
   Section lidar = file.section("lidar"), spinner = file.section("spinner"), imu = file.section("imu");
   Section gps = file.section("gps"), extrinsics = file.section("extrinsics"), time = file.section("time");
@@ -283,11 +334,22 @@ Result<Rig> read_rig(const std::string& path) {
   return parse_rig(text, path);
 }
 
+Result<std::optional<LidarBeam>> read_rig_beam(const std::string& path) {
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path, kWhat));
+  RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, path));
+  Section file(&parsed, "", path);
+  Section lidar = file.section("lidar");
+  Rig rig;
+  take_lidar(lidar, rig.lidar);
+  RAYFIELD_CHECK(lidar.finish());
+  return rig.lidar.beam;
+}
+
 /// Numbers are written with as many digits as bring the same double back.
 std::string rig_text(const Rig& rig) {
-  std::string out = fmt::format("[lidar]\ntopic = {}\nmin_range_m = {}\nmax_range_m = {}\nno_return = \"{}\"\n\n",
+  std::string out = fmt::format("[lidar]\ntopic = {}\nmin_range_m = {}\nmax_range_m = {}\nno_return = \"{}\"\n{}\n",
                                 toml_quoted(rig.lidar.topic), rig.lidar.min_range_m, rig.lidar.max_range_m,
-                                no_return_text(rig.lidar.no_return));
+                                no_return_text(rig.lidar.no_return), beam_text(rig.lidar.beam));
   if (rig.spinner) {
     out += fmt::format("[spinner]\ntopic = {}\njoint = {}\naxis = {}\n\n", toml_quoted(rig.spinner->topic),
                        toml_quoted(rig.spinner->joint), vector_text(rig.spinner->axis));

@@ -71,6 +71,7 @@ ScanEntry scan_entry(const AddOptions& options, const std::string& scan_id, cons
   scan.inputs = options.inputs;
   scan.alignment = options.alignment;
   scan.dormant = options.dormant;
+  scan.beam = options.beam;
   scan.ray_count = statistics.rays;
   scan.hit_count = statistics.hits;
   scan.start_time_s = static_cast<double>(statistics.first_time_us) / 1e6;

@@ -79,6 +79,18 @@ ScanAlignment parse_alignment(const Json& json) {
   return alignment;
 }
 
+Json beam_json(const LidarBeam& beam) {
+  Json json = {{"diameter_m", beam.diameter_m}, {"divergence_rad", beam.divergence_rad}};
+  if (beam.detection_share) json["detection_share"] = *beam.detection_share;
+  return json;
+}
+
+LidarBeam parse_beam(const Json& json) {
+  LidarBeam beam{json.at("diameter_m").get<double>(), json.at("divergence_rad").get<double>(), {}};
+  if (json.contains("detection_share")) beam.detection_share = json.at("detection_share").get<double>();
+  return beam;
+}
+
 Json scan_json(const ScanEntry& scan) {
   Json inputs = Json::array(), tiles = Json::array(), derived = Json::array(), attachments = Json::array();
   for (const InputEntry& i : scan.inputs) inputs.push_back({{"name", i.name}, {"size", i.size}, {"sha256", i.sha256}});
@@ -98,6 +110,7 @@ Json scan_json(const ScanEntry& scan) {
                {"warnings", scan.warnings}};
   if (scan.alignment) json["alignment"] = alignment_json(*scan.alignment);
   if (scan.dormant) json["dormant"] = *scan.dormant;
+  if (scan.beam) json["beam"] = beam_json(*scan.beam);
   json["tiles"] = std::move(tiles);
   json["derived"] = std::move(derived);
   json["attachments"] = std::move(attachments);
@@ -154,6 +167,7 @@ ScanEntry parse_scan(const Json& json) {
   scan.warnings = json.at("warnings").get<std::vector<std::string>>();
   if (json.contains("alignment")) scan.alignment = parse_alignment(json.at("alignment"));
   if (const auto dormant = json.find("dormant"); dormant != json.end()) scan.dormant = dormant->get<bool>();
+  if (json.contains("beam")) scan.beam = parse_beam(json.at("beam"));
   for (const Json& t : json.at("tiles")) scan.tiles.push_back(parse_tile(t));
   for (const Json& d : json.at("derived")) scan.derived.push_back(parse_derived(d));
   if (json.contains("attachments"))  // stores from before have none

@@ -1,6 +1,7 @@
 #include "rayfield/sim/simulate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "rayfield/core/parallel.h"
@@ -58,6 +59,13 @@ tl::unexpected<Error> stopped(const World& world) {
               "asked to stop");
 }
 
+// What a data sheet says: no detection share, and one angle.
+LidarBeam site_beam(const SiteLidar& lidar) {
+  const double across = 1e-3 * lidar.divergence_mrad;
+  const double along_z = lidar.divergence_z_mrad > 0 ? 1e-3 * lidar.divergence_z_mrad : across;
+  return {lidar.beam_diameter_m, std::sqrt(across * along_z), std::nullopt};
+}
+
 }  // namespace
 
 Rig site_rig(const Site& site) {
@@ -65,6 +73,7 @@ Rig site_rig(const Site& site) {
   rig.lidar.min_range_m = site.lidar.min_range_m;
   rig.lidar.max_range_m = site.lidar.max_range_m;
   rig.lidar.no_return = NoReturn::infinity;
+  if (site.lidar.wide()) rig.lidar.beam = site_beam(site.lidar);
   if (site.lidar.kind == LidarKind::spinning) {
     rig.spinner = Rig::Spinner();
     rig.imu_from_spinner = site.mount.imu_from_spinner;

@@ -25,6 +25,7 @@ TEST(PlyWriter, WritesWhatTheReaderGetsBack) {
   const TemporaryFile file("", ".ply");
   PlyWriteOptions options;
   options.crs = "EPSG:7854";
+  options.beam = LidarBeam{0.0136, 0.0119, std::nullopt};
   auto writer = PlyWriter::create(file.path(), options);
   ASSERT_TRUE(writer) << writer.error().line();
   const RayBatch rays = three_rays();
@@ -35,6 +36,7 @@ TEST(PlyWriter, WritesWhatTheReaderGetsBack) {
   const auto reader = PlyReader::open(file.path());
   ASSERT_TRUE(reader) << reader.error().line();
   EXPECT_EQ((*reader)->crs(), "EPSG:7854");
+  EXPECT_EQ((*reader)->beam(), options.beam);
   const ReadCloud cloud = read_all(read_file(file.path()));
   ASSERT_EQ(cloud.rays.size(), 6U);
   for (std::size_t i = 0; i < 6; ++i) {

@@ -86,6 +86,46 @@ TEST(RigFile, RoundTripsThroughItsOwnText) {
   EXPECT_EQ(rig_text(*from_file), rig_text(*rig));
 }
 
+TEST(RigFile, ReadsTheBeamAndWritesItBack) {
+  EXPECT_FALSE(parse_rig(kWhole, "rig.toml")->lidar.beam);
+  const std::string stated = replaced("[spinner]", "beam_diameter_m = 0.0136\nbeam_divergence_rad = 0.0119\n[spinner]");
+  const auto rig = parse_rig(stated, "rig.toml");
+  ASSERT_TRUE(rig) << rig.error().line();
+  EXPECT_EQ(rig->lidar.beam, (LidarBeam{0.0136, 0.0119, {}}));
+  EXPECT_EQ(parse_rig(rig_text(*rig), "again")->lidar.beam, rig->lidar.beam);
+  const auto full = parse_rig(replaced("[spinner]", "model = \"SICK LMS111\"\ndetection_share = 0.3\n[spinner]"), "r");
+  ASSERT_TRUE(full) << full.error().line();
+  EXPECT_EQ(full->lidar.beam, (LidarBeam{0.008, 0.015, 0.3}));
+  EXPECT_EQ(parse_rig(rig_text(*full), "again")->lidar.beam, full->lidar.beam);
+  // What is stated rules over the data sheet.
+  const auto high =
+      parse_rig(replaced("[spinner]", "model = \"LMS511\"\nbeam_divergence_rad = 0.0047\n[spinner]"), "r");
+  ASSERT_TRUE(high) << high.error().line();
+  EXPECT_EQ(high->lidar.beam, (LidarBeam{0.0136, 0.0047, {}}));
+}
+
+TEST(RigFile, RefusesBeamsThatAreNotOne) {
+  const auto with = [](const std::string& keys) { return error_line(replaced("[spinner]", keys + "\n[spinner]")); };
+  EXPECT_THAT(with("beam_diameter_m = 13.6\nbeam_divergence_rad = 0.01"), HasSubstr("must be 0 to 0.2"));
+  EXPECT_THAT(with("beam_diameter_m = 0.01\nbeam_divergence_rad = 11.9"), HasSubstr("must be 0 to 0.1"));
+  EXPECT_THAT(with("beam_diameter_m = 0.01"), HasSubstr("lidar.beam_divergence_rad is missing"));
+  EXPECT_THAT(with("beam_divergence_rad = 0.01"), HasSubstr("lidar.beam_diameter_m is missing"));
+  EXPECT_THAT(with("detection_share = 0.25"), HasSubstr("lidar.detection_share: it needs beam_diameter_m"));
+  EXPECT_THAT(with("model = \"LMS511\"\ndetection_share = 1.5"), HasSubstr("must be 0.001 to 1"));
+  EXPECT_THAT(with("model = \"LMS999\""), HasSubstr("not a lidar whose beam is known (LMS511"));
+}
+
+// A ray cloud needs the beam alone: no mounting.
+TEST(RigFile, TheBeamIsReadFromAFileThatSaysNothingElse) {
+  const bytes::TemporaryFile alone("[lidar]\nmodel = \"VLP-16\"\n", ".toml"), none("[lidar]\n", ".toml"),
+      bad("[lidar]\nbeam = 3\n", ".toml");
+  EXPECT_EQ(*read_rig_beam(alone.path()),
+            *parse_rig(replaced("[spinner]", "model = \"VLP16\"\n[spinner]"), "r")->lidar.beam);
+  ASSERT_TRUE(read_rig_beam(none.path()));
+  EXPECT_FALSE(*read_rig_beam(none.path()));
+  EXPECT_THAT(read_rig_beam(bad.path()).error().line(), HasSubstr("lidar.beam: unknown key"));
+}
+
 TEST(RigFile, KeepsNamesWithQuotesAndBackslashes) {
   Rig rig;
   rig.lidar.topic = "/a\"b\\c\n";

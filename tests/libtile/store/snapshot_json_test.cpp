@@ -56,6 +56,20 @@ TEST(SnapshotJson, EverythingComesBackAndTextIsStable) {
   EXPECT_EQ(back->find_scan("2019-02-11"), nullptr);
 }
 
+TEST(SnapshotJson, TheBeamComesBackWithAndWithoutItsShareOrIsAbsent) {
+  for (const std::optional<LidarBeam>& beam :
+       {std::optional<LidarBeam>(), std::optional(LidarBeam{0.0136, 0.0119, std::nullopt}),
+        std::optional(LidarBeam{0.011, 0.0021, 0.3})}) {
+    Snapshot snapshot = sample_snapshot();
+    snapshot.scans[0].beam = beam;
+    const auto json = to_json(snapshot);
+    EXPECT_EQ(json["scans"][0].contains("beam"), beam.has_value());
+    const auto back = snapshot_from_json(json, "x");
+    ASSERT_TRUE(back) << back.error().line();
+    EXPECT_EQ(back->scans[0].beam, beam);
+  }
+}
+
 TEST(SnapshotJson, AScanFromBeforeFilesWereKeptHasNone) {
   auto json = to_json(sample_snapshot());
   json["scans"][0].erase("attachments");

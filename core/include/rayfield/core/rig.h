@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/rigid3.h"
 
 namespace rayfield {
@@ -18,6 +19,7 @@ struct Rig {
     double min_range_m = 0.2;
     double max_range_m = 40.0;
     NoReturn no_return = NoReturn::infinity;
+    std::optional<LidarBeam> beam;  ///< absent: not known
   } lidar;
   struct Spinner {
     std::string topic = "/spinner/joint_states";

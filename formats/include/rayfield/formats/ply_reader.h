@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/ray_source.h"
 #include "rayfield/core/result.h"
 
@@ -39,6 +40,8 @@ class PlyReader : public RaySource {
 
   /// The CRS that a `comment crs …` line names, as rayfield writes it; raycloudtools names none.
   std::optional<std::string> crs() const;
+  /// The lidar's beam that a `comment beam …` line tells.
+  std::optional<LidarBeam> beam() const;
 
  private:
   struct Impl;

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/ray.h"
 #include "rayfield/core/result.h"
 
@@ -12,6 +14,8 @@ namespace rayfield::formats {
 struct PlyWriteOptions {
   /// Named in the header as `comment crs …` where given, e.g. "EPSG:7854".
   std::string crs;
+  /// Of the lidar; named in the header as `comment beam …` where given.
+  std::optional<LidarBeam> beam = {};
   Result<void> validate() const;
 };
 

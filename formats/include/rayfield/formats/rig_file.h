@@ -2,6 +2,7 @@
 
 /// vehicle: the text files of a vehicle, its rig and its trajectory.
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,10 @@ Result<Rig> read_rig(const std::string& path);
 
 /// The same for text already in memory; `name` stands for the path in messages.
 Result<Rig> parse_rig(std::string_view text, const std::string& name);
+
+/// The lidar's beam from a rig file of which nothing but [lidar] is looked at: all that a ray cloud needs. Absent where
+/// the file does not tell it. Errors: as read_rig().
+Result<std::optional<LidarBeam>> read_rig_beam(const std::string& path);
 
 /// The rig as a rig file; parse_rig() of it gives the same rig.
 std::string rig_text(const Rig& rig);

@@ -26,6 +26,7 @@ struct AddOptions {
   std::string command;                                  ///< for `rayfield log`
   std::vector<InputEntry> inputs;
   std::optional<ScanAlignment> alignment;  ///< how the rays were moved; kept with the scan
+  std::optional<LidarBeam> beam;           ///< of the lidar, where it is known; kept with the scan
   std::vector<NewAttachment> attachments;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/result.h"
 #include "rayfield/tile/segments.h"
 
@@ -89,6 +90,7 @@ struct ScanEntry {
   std::vector<std::string> warnings;         ///< what the reader left out
   std::optional<ScanAlignment> alignment;    ///< absent in stores of earlier versions
   std::optional<bool> dormant;               ///< the user says that the vines bear no leaves, or that they do
+  std::optional<LidarBeam> beam;             ///< of the lidar; absent: not known
   std::vector<TileEntry> tiles;              ///< ordered by index
   std::vector<DerivedEntry> derived;         ///< ordered by kind and name
   std::vector<AttachmentEntry> attachments;  ///< ordered by name

@@ -1,0 +1,19 @@
+#include "cli/console/beam_text.h"
+
+#include <fmt/core.h>
+
+namespace rayfield::cli {
+
+std::string beam_text(const LidarBeam& beam) {
+  std::string text = fmt::format("{:.3g} mm + {:.3g} mrad", 1e3 * beam.diameter_m, 1e3 * beam.divergence_rad);
+  if (beam.detection_share) text += fmt::format(", returns from {:.3g} of its energy on leaves", *beam.detection_share);
+  return text;
+}
+
+nlohmann::ordered_json beam_json(const LidarBeam& beam) {
+  nlohmann::ordered_json json = {{"diameter_m", beam.diameter_m}, {"divergence_rad", beam.divergence_rad}};
+  if (beam.detection_share) json["detection_share"] = *beam.detection_share;
+  return json;
+}
+
+}  // namespace rayfield::cli

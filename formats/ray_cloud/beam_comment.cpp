@@ -1,0 +1,43 @@
+#include "formats/ray_cloud/beam_comment.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace rayfield::formats {
+namespace {
+
+// Takes "key number" from the front of `text`.
+std::optional<double> take_number(std::string_view key, double high, std::string_view& text) {
+  if (!text.starts_with(key) || !text.substr(key.size()).starts_with(' ')) return std::nullopt;
+  const std::string_view digits = text.substr(key.size() + 1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || !(value >= 0 && value <= high)) return std::nullopt;
+  text = digits.substr(static_cast<std::size_t>(end - digits.data()));
+  if (text.starts_with(' ')) text.remove_prefix(1);
+  return value;
+}
+
+}  // namespace
+
+std::string beam_comment(const LidarBeam& beam) {
+  std::string text = fmt::format("beam diameter_m {} divergence_rad {}", beam.diameter_m, beam.divergence_rad);
+  if (beam.detection_share) text += fmt::format(" detection_share {}", *beam.detection_share);
+  return text;
+}
+
+std::optional<LidarBeam> parse_beam_comment(std::string_view comment) {
+  if (!comment.starts_with("beam ")) return std::nullopt;
+  std::string_view rest = comment.substr(5);
+  const auto diameter = take_number("diameter_m", kWidestBeam_m, rest);
+  const auto divergence = take_number("divergence_rad", kWidestDivergence_rad, rest);
+  if (!diameter || !divergence) return std::nullopt;
+  LidarBeam beam{*diameter, *divergence, std::nullopt};
+  if (rest.empty()) return beam;
+  beam.detection_share = take_number("detection_share", 1, rest);
+  if (!beam.detection_share || *beam.detection_share == 0 || !rest.empty()) return std::nullopt;
+  return beam;
+}
+
+}  // namespace rayfield::formats

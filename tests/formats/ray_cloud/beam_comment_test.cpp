@@ -1,0 +1,30 @@
+#include "formats/ray_cloud/beam_comment.h"
+
+#include <gtest/gtest.h>
+
+namespace rayfield::formats {
+namespace {
+
+TEST(BeamComment, ComesBackToTheLastDigit) {
+  for (const LidarBeam& beam : {LidarBeam{0.0136, 0.0119, {}}, LidarBeam{1.0 / 3e2, 1.0 / 7e2, 0.257},
+                                LidarBeam{0, 0, {}}, LidarBeam{0.01, 1e-7, 1}})
+    EXPECT_EQ(parse_beam_comment(beam_comment(beam)), beam) << beam_comment(beam);
+}
+
+// raycloudtools looks for these words in every line of a header.
+TEST(BeamComment, HoldsNoWordThatOtherReadersTakeForAColumn) {
+  const std::string text = beam_comment({0.0136, 0.0119, 0.25});
+  for (const char* word : {"time", "intensity", "property"}) EXPECT_EQ(text.find(word), std::string::npos) << word;
+}
+
+TEST(BeamComment, WhatMakesNoBeamIsLeftAlone) {
+  for (const char* text :
+       {"", "crs EPSG:7854", "beam", "beam diameter_m 0.01", "beam diameter_m x divergence_rad 0.01",
+        "beam diameter_m -0.01 divergence_rad 0.01", "beam diameter_m 0.01 divergence_rad 3",
+        "beam diameter_m nan divergence_rad 0.01", "beam diameter_m 0.01 divergence_rad 0.01 detection_share 2",
+        "beam diameter_m 0.01 divergence_rad 0.01 detection_share 0", "beam diameter_m 0.01 divergence_rad 0.01 more"})
+    EXPECT_FALSE(parse_beam_comment(text)) << text;
+}
+
+}  // namespace
+}  // namespace rayfield::formats
