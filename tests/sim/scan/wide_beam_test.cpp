@@ -170,8 +170,9 @@ TEST(WideBeam, PlatesWithinTheRangeResolutionMixAndOthersDoNot) {
     EXPECT_NEAR(mean_range(farther, ReturnMode::first), kRange, 1e-3) << share;
     EXPECT_NEAR(mean_range(farther, ReturnMode::last), kRange + farther, 1e-3) << share;
     // With 37 sub-rays shares within a twentieth of a half may go either way.
-    if (share != 0.5)
+    if (share != 0.5) {
       EXPECT_NEAR(mean_range(farther, ReturnMode::strongest), kRange + (share < 0.5 ? farther : 0), 1e-3) << share;
+    }
   }
 }
 
