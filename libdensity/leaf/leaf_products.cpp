@@ -10,6 +10,7 @@
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
+#include "libdensity/scan/beam_width.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
@@ -40,7 +41,7 @@ Result<void> separate_row(ScanWork& work, const Row& row, std::span<const Panel>
   const std::vector<LeafSum> sums = leaf_of_panels(leaf, wood, panels);
   for (std::size_t i = 0; i < sums.size(); ++i)
     set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m,
-                  work.options.integration, work.options.leaf);
+                  integration_with_beam(work.options.integration, work.scan), work.options.leaf);
   for (const double area : leaf_of_metres(leaf, row.length_m(), work.options.integration.metre_step_m))
     maps.values.metres.push_back(area);
   raster.add(leaf);
@@ -86,7 +87,8 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
   key.add(work.files.sha256("results", "block"));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
-  key.add(option_numbers(work.options.integration)).add(option_numbers(work.options.plan));
+  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan)))
+      .add(option_numbers(work.options.plan));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileIndex index : counted.tiles)
     key.add(work.files.sha256("voxels", counted.prefix + tile_name(index)));

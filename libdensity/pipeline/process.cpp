@@ -12,6 +12,7 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/pipeline/processed_scan.h"
 #include "libdensity/pipeline/scan_products.h"
+#include "libdensity/scan/beam_width.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
 #include "libdensity/scan/scan_voxels.h"
@@ -98,6 +99,7 @@ Result<void> take_or_make_plants(const tile::Store& store, ScanInWork& scan, con
 Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string& scan_id = scan.work.scan.scan_id;
   std::vector<std::string>& notes = scan.report.notes;
+  if (const std::string note = beam_note(scan.work.scan); !note.empty()) notes.push_back(note);
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
   const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);

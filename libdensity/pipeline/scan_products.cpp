@@ -12,6 +12,7 @@
 #include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/results_io.h"
+#include "libdensity/scan/beam_width.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
@@ -32,7 +33,8 @@ struct ScanMaps {
 Result<void> integrate_one(ScanWork& work, const RowLayout& layout, const Row& row, const RowDensity& density,
                            ScanMaps& maps) {
   const std::vector<Panel> panels = panels_of(layout, row.number);
-  std::vector<PanelValue> values = integrate_panels(density, panels, layout.spacing_m, work.options.integration);
+  std::vector<PanelValue> values =
+      integrate_panels(density, panels, layout.spacing_m, integration_with_beam(work.options.integration, work.scan));
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i].panel_uid = panels[i].identity.uid;
     maps.results.panel_values.push_back(std::move(values[i]));
@@ -133,7 +135,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
                                    std::span<const tile::TileIndex> tiles) {
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
-  builder.add(option_numbers(work.options.integration));
+  builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan)));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileEntry& entry : work.scan.tiles)
