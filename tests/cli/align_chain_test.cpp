@@ -95,6 +95,27 @@ TEST_F(AlignChain, AMovedCloudComesToLieOnTheFirstDate) {
   EXPECT_NEAR(areas[0] / areas[1], 1, 0.02);
 }
 
+TEST_F(AlignChain, TheFirstScanOfASurveyedBlockIsLaidOnTheSurvey) {
+  const Folder work;
+  const std::string found = store_with_first_date(work), survey = work.path("rows.gpkg");
+  ASSERT_EQ(rayfield({"process", found, "-q"}).exit_code, 0);
+  ASSERT_EQ(rayfield({"registry", "export", found, "-o", survey}).exit_code, 0);
+  const std::string moved = moved_cloud(cloud("2021-07-01"), work.path("moved.ply"), Eigen::Vector3d(1.8, -2.4, 0), 0);
+
+  const std::string surveyed = work.path("surveyed");
+  ASSERT_EQ(rayfield({"init", surveyed, "--crs", "EPSG:32632", "--reference", survey}).exit_code, 0);
+  const Outcome run = rayfield({"add", surveyed, moved, "--date", "2021-07-01", "--json", "-q"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json alignment = json::parse(run.out)["alignment"];
+  EXPECT_EQ(alignment["aligned"], true);
+  EXPECT_NEAR(alignment["offset_e_m"], -1.8, 0.05);
+  EXPECT_NEAR(alignment["offset_n_m"], 2.4, 0.05);
+  const Outcome processed = rayfield({"process", surveyed, "--json", "-q"});
+  ASSERT_EQ(processed.exit_code, 0) << processed.err;
+  EXPECT_EQ(json::parse(processed.out)["panels"],
+            json::parse(rayfield({"process", found, "--json", "-q"}).out)["panels"]);
+}
+
 TEST_F(AlignChain, WhereTheReferenceIsRemovedAScanThatWasLaidOnItTakesItsPlace) {
   const Folder work;
   const std::string store = store_with_first_date(work);
