@@ -160,7 +160,7 @@ LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
       excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(kSamples, o.r, side, range_noise_m));
     (excess > 0 ? low : high) = side;
   }
-  out.area_m2 = low * high;
+  out.area_m2 = std::min(low * high, LeafSize::kLargestM2);
   out.measured = true;
   return out;
 }

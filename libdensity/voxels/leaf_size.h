@@ -31,6 +31,8 @@ struct LeafSize {
 
   /// Between small (35 cm²) and large (100 cm²) vine leaves; used where the data cannot tell.
   static constexpr double kDefaultAreaM2 = 0.006;
+  /// What looks larger (trunks and posts through wide beams) counts as this; EstimatorOptions takes no more either.
+  static constexpr double kLargestM2 = 0.05;
 };
 
 /// The side of square leaves, isotropically orientated, for which the expected share of pairs on one leaf equals

@@ -166,5 +166,17 @@ TEST(LeafShadow, VanishesWithTheLeafAndGrowsWithIt) {
   EXPECT_GT(leaf_shadow(0.01, 0.08).inside, leaf_shadow(0.005, 0.08).inside);
 }
 
+// Wide beams on bare trunks: every neighbour ends at the same depth, as on one endless leaf.
+TEST(LeafSize, WhatIsMeasuredCanBeGivenAsAnOption) {
+  LeafSizePairs pairs;
+  for (int i = 0; i < 20000; ++i) pairs.add(0.012 + 0.001 * (i % 25), 0, true);
+  const LeafSize size = estimate_leaf_size(pairs);
+  EXPECT_TRUE(size.measured);
+  EXPECT_EQ(size.area_m2, LeafSize::kLargestM2);
+  EstimatorOptions options;
+  options.leaf_size_m2 = size.area_m2;
+  EXPECT_TRUE(options.validate());
+}
+
 }  // namespace
 }  // namespace rayfield::density
