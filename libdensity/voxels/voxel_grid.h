@@ -7,7 +7,7 @@
 
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/leaf_angle.h"
-#include "libdensity/voxels/leaf_size.h"
+#include "libdensity/echoes/leaf_size.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"

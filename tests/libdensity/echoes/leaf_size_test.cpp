@@ -1,4 +1,4 @@
-#include "libdensity/voxels/leaf_size.h"
+#include "libdensity/echoes/leaf_size.h"
 
 #include <gtest/gtest.h>
 
