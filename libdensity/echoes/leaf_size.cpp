@@ -122,18 +122,18 @@ LeafSizePairs& LeafSizePairs::operator+=(const LeafSizePairs& other) {
   return *this;
 }
 
-void LeafSizePairs::add(double distance_m, double delta_m, bool hit) {
+void LeafSizePairs::add(double distance_m, double delta_m, bool hit, LeafSizePairs& ends) {
   const double bin = distance_m / kStepM;
   if (!(bin < kBins) || delta_m < -2 * kWindowM || (!hit && delta_m < 2 * kWindowM)) return;
   const auto i = static_cast<std::size_t>(bin);
   ++near[i];
   if (!hit || delta_m >= 2 * kWindowM) return;
   if (delta_m < -kWindowM)
-    ++front[i];
+    ++ends.front[i];
   else if (delta_m < kWindowM)
-    ++same[i];
+    ++ends.same[i];
   else
-    ++behind[i];
+    ++ends.behind[i];
 }
 
 double same_leaf_probability(double distance_m, double side_m, double range_noise_m) {

@@ -21,7 +21,9 @@ struct LeafSizePairs {
   LeafSizePairs& operator+=(const LeafSizePairs& other);
   bool operator==(const LeafSizePairs&) const = default;
   /// One pair: the next ray passes at `distance_m`, and ends `delta_m` beyond it (`hit`), or goes on at least that far.
-  void add(double distance_m, double delta_m, bool hit);
+  void add(double distance_m, double delta_m, bool hit) { add(distance_m, delta_m, hit, *this); }
+  /// The same, with the ray counted here and where it ends in `ends`.
+  void add(double distance_m, double delta_m, bool hit, LeafSizePairs& ends);
 };
 
 /// Area of a typical leaf, m².

@@ -125,10 +125,12 @@ double RowDensity::area_variance(int along, int across, int up) const {
 
 Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const RowSegment> row_segments,
                                                     std::span<const WoodCylinder> wood, const LeafSizePairs& pairs,
-                                                    const EstimatorOptions& options) {
+                                                    const EstimatorOptions& options,
+                                                    const std::optional<EchoModel>& model) {
   RAYFIELD_CHECK(options.validate());
   RowDensityBuilder out;
   out.options_ = options;
+  out.model_ = model;
   RowDensity& r = out.row_;
   r.row = row;
   for (const RowSegment& s : row_segments)
@@ -156,7 +158,10 @@ Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Row
   r.n_along = static_cast<int>(r.segment_of.size());
   r.entries.assign(r.segment_of.size(), 0);
   out.counters_.assign(r.shape().size(), {});
-  r.leaf_size_m2 = options.leaf_size_m2 >= 0 ? options.leaf_size_m2 : estimate_leaf_size(pairs).area_m2;
+  if (model) out.echoes_.assign(r.shape().size(), {});
+  r.leaf_size_m2 = options.leaf_size_m2 >= 0 ? options.leaf_size_m2
+                   : model                   ? model->leaf_area_m2
+                                             : estimate_leaf_size(pairs).area_m2;
   for (const WoodCylinder& w : wood)
     if (w.row == row) out.wood_.push_back(w);
   return out;
@@ -184,6 +189,9 @@ Result<void> RowDensityBuilder::add(const TileVoxels& tile) {
         row_.entries[first[k] + a] += block.entries[number];
         const std::size_t to = row_.index(first[k] + a, c + across_shift, up_shift);
         for (std::size_t u = 0; u < column.size(); ++u) counters_[to + u] += column[u];
+        if (!model_) continue;
+        const auto echoes = block.column_echoes(a, c);
+        for (std::size_t u = 0; u < echoes.size(); ++u) echoes_[to + u] += echoes[u];
       }
   }
   return {};
@@ -197,11 +205,12 @@ RowDensity RowDensityBuilder::finish() && {
   if (options_.estimator == Estimator::paper) {
     estimate_paper(r, counters_, static_cast<std::uint32_t>(options_.paper_min_rays));
   } else {
-    estimate_slabs(r, counters_);
-    pool_and_fill(r, counters_);
+    const std::vector<VoxelSums> sums = model_ ? wide_beam_sums(counters_, echoes_, *model_) : thin_ray_sums(counters_);
+    estimate_slabs(r, sums);
+    pool_and_fill(r, sums);
   }
-  counters_.clear();
-  counters_.shrink_to_fit();
+  counters_.clear(), echoes_.clear();
+  counters_.shrink_to_fit(), echoes_.shrink_to_fit();
   if (!wood_.empty()) {
     r.wood_area.assign(r.density.size(), 0);
     r.free_share.assign(r.shape().columns(), 1);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "libdensity/echoes/echo_model.h"
 #include "libdensity/estimate/estimator.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/voxel_grid.h"
@@ -57,15 +59,17 @@ struct RowDensity {
 };
 
 /// Collects the voxels of one row from the tiles it runs through, in any order and one tile at a time, and estimates
-/// its density. Memory: 32 B per voxel while collecting (18 MB per 100 m of row at 7 cm).
+/// its density. Memory: 32 B per voxel while collecting (18 MB per 100 m of row at 7 cm), 72 B with a model.
 class RowDensityBuilder {
  public:
   /// `row_segments`: of that row (others are ignored); all with one voxel size, on one lattice across and upwards
   /// (across_min_m and up_min_m whole voxels apart). `wood`: as given to the accumulators. `pairs`: of the whole scan;
-  /// tells the leaf size unless the options do. Errors: usage.
+  /// tells the leaf size unless the options or the model do. `model`: of beams that are not thin, whose tiles have
+  /// EchoCounters; nothing: every echo counts as the hit of a thin ray. Errors: usage.
   static Result<RowDensityBuilder> create(int row, std::span<const RowSegment> row_segments,
                                           std::span<const WoodCylinder> wood, const LeafSizePairs& pairs,
-                                          const EstimatorOptions& options);
+                                          const EstimatorOptions& options,
+                                          const std::optional<EchoModel>& model = std::nullopt);
   /// Errors: damaged, when the tile's voxels do not fit the row segments.
   Result<void> add(const TileVoxels& tile);
   RowDensity finish() &&;
@@ -73,7 +77,9 @@ class RowDensityBuilder {
  private:
   RowDensity row_;
   EstimatorOptions options_;
+  std::optional<EchoModel> model_;
   std::vector<VoxelCounters> counters_;
+  std::vector<EchoCounters> echoes_;  // with a model
   std::vector<WoodCylinder> wood_;
 };
 

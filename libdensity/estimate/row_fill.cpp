@@ -61,7 +61,7 @@ class Donors {
   explicit Donors(const RowDensity& r)
       : layers_(r.n_up), along_(r.n_along), sums_(Shape3{r.n_along + 1, kDepths + 1, r.n_up}) {}
 
-  void set_section(const RowDensity& r, std::span<const VoxelCounters> counters, int along,
+  void set_section(const RowDensity& r, std::span<const VoxelSums> sums, int along,
                    const std::vector<int>& depth) {
     for (int d = 0; d <= kDepths; ++d)
       for (int u = 0; u < layers_; ++u) at(along + 1, d, u) = at(along, d, u);
@@ -74,9 +74,9 @@ class Donors {
           const auto density = static_cast<double>(r.density[voxel]);
           sum.count += 1, sum.density += density, sum.square += density * density;
         } else {
-          const VoxelCounters& v = counters[voxel];
-          sum.potential += v.potential_sides(), sum.hits += v.hits;
-          sum.path += v.path_sides(), sum.hit_path += v.hit_path_sides();
+          const VoxelSums& v = sums[voxel];
+          sum.potential += v.potential, sum.hits += v.hits;
+          sum.path += v.path, sum.hit_path += v.hit_path;
         }
       }
   }
@@ -167,13 +167,13 @@ void fill_voxel(RowDensity& r, const Donors& donors, int a, int c, int u, int de
 
 }  // namespace
 
-void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters) {
+void pool_and_fill(RowDensity& row, std::span<const VoxelSums> sums) {
   Donors donors(row);
   const std::size_t section = Shape3{1, row.n_across, row.n_up}.size();
   std::vector<std::vector<int>> depths(static_cast<std::size_t>(row.n_along));
   for (int a = 0; a < row.n_along; ++a) {
     std::vector<int> depth = section_depth(row, a);
-    donors.set_section(row, counters, a, depth);
+    donors.set_section(row, sums, a, depth);
     const std::size_t first = row.index(a, 0, 0);
     std::size_t own = 0;
     for (std::size_t i = 0; i < section; ++i) own += row.state[first + i] == VoxelState::observed ? 1u : 0u;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "libdensity/estimate/row_density.h"
+#include "libdensity/estimate/voxel_sums.h"
 
 namespace rayfield::density {
 
@@ -13,7 +14,7 @@ namespace rayfield::density {
 /// too few such rays, and where the canopy is thin, unobserved voxels get the mean of the nearest seen ones. Depth =
 /// voxels (chessboard) in the cross-section to the nearest voxel that was seen and is empty, or to the outside.
 /// Cross-sections of which less than half was seen are not filled: nothing is invented where nobody looked.
-void pool_and_fill(RowDensity& row, std::span<const VoxelCounters> counters);
+void pool_and_fill(RowDensity& row, std::span<const VoxelSums> sums);
 
 /// Density of every voxel by the published method: (n−1)/n·m/S over the voxel and, while n < min_rays, its neighbours
 /// within a cube that grows by one voxel each way (at most six).

@@ -21,12 +21,12 @@ void for_voxels(const RowDensity& r, Visit visit) {
 }
 
 /// w = 1/(P + P̄); 0 where the slab has no rays.
-std::vector<double> weights_of(const RowDensity& r, std::span<const VoxelCounters> counters) {
-  std::vector<double> out(counters.size(), 0);
+std::vector<double> weights_of(const RowDensity& r, std::span<const VoxelSums> sums) {
+  std::vector<double> out(sums.size(), 0);
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
     double sum = 0, count = 0;
-    for_slab(r, a, c, u, [&](std::size_t i) { sum += counters[i].potential_sides(), count += 1; });
-    if (sum > 0) out[voxel] = 1 / (counters[voxel].potential_sides() + sum / count);
+    for_slab(r, a, c, u, [&](std::size_t i) { sum += sums[i].potential, count += 1; });
+    if (sum > 0) out[voxel] = 1 / (sums[voxel].potential + sum / count);
   });
   return out;
 }
@@ -38,18 +38,18 @@ struct Slab {
   double hits_squared = 0;  ///< Σ w²·m: variance of Σ w·m
 };
 
-Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const std::vector<double>& weight,
+Slab slab_at(const RowDensity& r, std::span<const VoxelSums> sums, const std::vector<double>& weight,
              const LeafShadow& shadow, int along, int across, int up) {
   Slab out;
   double lit = 0, count = 0;  // Σ w·P, N
   for_slab(r, along, across, up, [&](std::size_t i) {
-    const VoxelCounters& v = counters[i];
-    const double w = weight[i], potential = v.potential_sides();
-    out.potential += potential;
-    out.path += w * v.path_sides() * (1 + shadow.in_front * w * potential);
-    lit += w * potential, count += 1;
-    out.hits += w * v.hits, out.hits_squared += w * w * v.hits;
-    out.hit_path += w * w * v.hit_path_sides();
+    const VoxelSums& v = sums[i];
+    const double w = weight[i];
+    out.potential += v.potential;
+    out.path += w * v.path * (1 + shadow.in_front * w * v.potential);
+    lit += w * v.potential, count += 1;
+    out.hits += w * v.hits, out.hits_squared += w * w * v.hits_squared;
+    out.hit_path += w * w * v.hit_path;
   });
   out.path += shadow.inside * lit / count;
   return out;
@@ -57,15 +57,15 @@ Slab slab_at(const RowDensity& r, std::span<const VoxelCounters> counters, const
 
 }  // namespace
 
-void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
+void estimate_slabs(RowDensity& r, std::span<const VoxelSums> sums) {
   const LeafShadow shadow = leaf_shadow(r.leaf_size_m2, r.voxel_m);
   const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
   const double whole_leaves = 0.5 * r.leaf_size_m2 / (r.voxel_m * r.voxel_m);
-  const std::vector<double> weight = weights_of(r, counters);
-  std::vector<double> inverse(counters.size(), 0);  // 1/D of the slabs that are shared out
+  const std::vector<double> weight = weights_of(r, sums);
+  std::vector<double> inverse(sums.size(), 0);  // 1/D of the slabs that are shared out
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
-    const Slab slab = slab_at(r, counters, weight, shadow, a, c, u);
-    const bool seen = counters[voxel].rays >= 2, enough = slab.potential >= kMinPotential && slab.path > 0;
+    const Slab slab = slab_at(r, sums, weight, shadow, a, c, u);
+    const bool seen = sums[voxel].rays >= 2, enough = slab.potential >= kMinPotential && slab.path > 0;
     r.state[voxel] = seen ? (enough ? VoxelState::observed : VoxelState::pooled)
                           : (enough ? VoxelState::filled : VoxelState::unobserved);
     if (!enough) return;
@@ -77,14 +77,14 @@ void estimate_slabs(RowDensity& r, std::span<const VoxelCounters> counters) {
     }
   });
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
-    const VoxelCounters& v = counters[voxel];
+    const VoxelSums& v = sums[voxel];
     if (v.hits == 0) return;
     double sum = 0, squares = 0;
     for_slab(r, a, c, u, [&](std::size_t i) { sum += inverse[i], squares += inverse[i] * inverse[i]; });
-    const double w = weight[voxel], hit_path = v.hit_path_sides();
-    const double rate = w * v.hits * sum - w * w * hit_path * squares;
+    const double w = weight[voxel];
+    const double rate = w * v.hits * sum - w * w * v.hit_path * squares;
     r.density[voxel] += static_cast<float>(to_density * rate);
-    r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits * sum * sum + rate * whole_leaves));
+    r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits_squared * sum * sum + rate * whole_leaves));
   });
 }
 

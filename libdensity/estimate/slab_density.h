@@ -3,6 +3,7 @@
 #include <span>
 
 #include "libdensity/estimate/row_density.h"
+#include "libdensity/estimate/voxel_sums.h"
 
 namespace rayfield::density {
 
@@ -22,6 +23,6 @@ inline constexpr double kMinPotential = 3.0;
 /// their own slab (state filled). Where a slab has less potential path than kMinPotential, its voxel is `pooled` (two
 /// rays or more) or `unobserved`, and pool_and_fill() adds to what the slabs around have given it.
 /// Variance: hits are Poisson events, and the leaves behind them come whole (λ̂·½·leaf area / volume).
-void estimate_slabs(RowDensity& row, std::span<const VoxelCounters> counters);
+void estimate_slabs(RowDensity& row, std::span<const VoxelSums> sums);
 
 }  // namespace rayfield::density

@@ -10,8 +10,9 @@
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
-#include "libdensity/scan/beam_width.h"
 #include "libdensity/scan/row_voxels.h"
+#include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
@@ -31,18 +32,19 @@ struct LeafMaps {
 struct CountedWood {
   std::string prefix;  // of their names
   std::vector<tile::TileIndex> tiles;
+  std::optional<EchoModel> echoes;
 };
 
 // One row in both scans; appends to the maps. `panel`: the next of the results' panels.
 Result<void> separate_row(ScanWork& work, const Row& row, std::span<const Panel> panels, double spacing_m,
-                          RowDensity plant, const RowDensity& wood, std::size_t& panel, LeafMaps& maps,
-                          PlanRaster& raster) {
+                          const IntegrationOptions& integration, RowDensity plant, const RowDensity& wood,
+                          std::size_t& panel, LeafMaps& maps, PlanRaster& raster) {
   RAYFIELD_ASSIGN(const RowDensity leaf, subtract_wood(std::move(plant), wood));
   const std::vector<LeafSum> sums = leaf_of_panels(leaf, wood, panels);
   for (std::size_t i = 0; i < sums.size(); ++i)
     set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m,
-                  integration_with_beam(work.options.integration, work.scan), work.options.leaf);
-  for (const double area : leaf_of_metres(leaf, row.length_m(), work.options.integration.metre_step_m))
+                  integration, work.options.leaf);
+  for (const double area : leaf_of_metres(leaf, row.length_m(), integration.metre_step_m))
     maps.values.metres.push_back(area);
   raster.add(leaf);
   return {};
@@ -59,18 +61,21 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
   RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
+  const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
   std::size_t panel = 0;
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     if (!plant.has_row(row.number)) continue;
     EstimatorOptions options = work.options.estimator;
-    RAYFIELD_ASSIGN(RowDensity of_plant, plant.density(row.number, voxels.row_segments, voxels.wood, options));
+    RAYFIELD_ASSIGN(RowDensity of_plant, plant.density(row.number, voxels.row_segments, voxels.wood, options,
+                                                           voxels.echoes));
     options.leaf_size_m2 = of_plant.leaf_size_m2;
-    RAYFIELD_ASSIGN(RowDensity of_wood, wood.density(row.number, voxels.row_segments, voxels.wood, options));
+    RAYFIELD_ASSIGN(RowDensity of_wood, wood.density(row.number, voxels.row_segments, voxels.wood, options,
+                                                         counted.echoes));
     // The published method knows nothing of leaves that come whole.
     if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
-    RAYFIELD_CHECK(separate_row(work, row, panels_of(layout, row.number), layout.spacing_m, std::move(of_plant),
-                                of_wood, panel, maps, raster));
+    RAYFIELD_CHECK(separate_row(work, row, panels_of(layout, row.number), layout.spacing_m, integration,
+                                std::move(of_plant), of_wood, panel, maps, raster));
     work.progress.advance(1);
   }
   maps.raster = raster.finish().front();
@@ -87,12 +92,22 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
   key.add(work.files.sha256("results", "block"));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
-  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan)))
+  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
       .add(option_numbers(work.options.plan));
+  key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileIndex index : counted.tiles)
     key.add(work.files.sha256("voxels", counted.prefix + tile_name(index)));
   return key.hex();
+}
+
+// How the dormant scan's beams look at the voxels, where they are like this scan's.
+Result<std::shared_ptr<const BeamView>> view_of_wood(ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood) {
+  if (!voxels.echoes || wood.scan.beam != work.scan.beam) return nullptr;
+  Derivation files = work.files.for_scan(wood.scan.scan_id);
+  ScanWork of_wood{work.store, wood.scan, work.options, files, work.progress, work.threads};
+  RAYFIELD_ASSIGN(const std::vector<TileSurvey> surveys, survey_tiles(of_wood));
+  return view_of(wood.scan, surveys, work.options.beam);
 }
 
 LeafReport report_of(const ScanResults& results) {
@@ -123,11 +138,13 @@ Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout) {
 
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood) {
-  CountedWood counted{"", voxels.tiles};  // of the scan itself: leaf areas are exactly 0
+  CountedWood counted{"", voxels.tiles, voxels.echoes};  // of the scan itself: leaf areas are exactly 0
   if (wood.scan.scan_id != work.scan.scan_id) {
     counted.prefix = kWoodPrefix;
-    RAYFIELD_ASSIGN(counted.tiles,
-                    count_voxels(work, {wood.scan, wood.voxels, counted.prefix}, voxels.row_segments, voxels.wood));
+    RAYFIELD_ASSIGN(const auto view, view_of_wood(work, voxels, wood));
+    if (!view) counted.echoes.reset();
+    RAYFIELD_ASSIGN(counted.tiles, count_voxels(work, {wood.scan, wood.voxels, counted.prefix, view},
+                                                voxels.row_segments, voxels.wood));
   }
   const std::string key = leaf_key(work, voxels, wood, counted);
   RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "libdensity/echoes/echo_model.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/row_segments.h"
@@ -17,6 +18,7 @@ struct ScanVoxels {
   RowSegmentList row_segments;
   std::vector<WoodCylinder> wood;      ///< masked posts and trunks
   std::vector<tile::TileIndex> tiles;  ///< with counters
+  std::optional<EchoModel> echoes = {};  ///< of beams that are not thin; then the counters have EchoCounters
 };
 
 /// The dormant scan whose wood is subtracted.
@@ -36,7 +38,8 @@ struct LeafReport {
 
 /// Leaf areas of a scan (kinds "leaf" and "raster", name kLeafRasterName). The dormant scan's rays are counted in the
 /// voxels of this one (kind "voxels", names "wood_<tile>") and estimated as its own are, for leaves of the same size,
-/// so that what is wrong about both cancels; then wood is subtracted voxel by voxel. Where `wood` is the scan itself,
+/// and with the same meaning of their echoes if both were made with one beam, so that what is wrong about both cancels;
+/// then wood is subtracted voxel by voxel. Where `wood` is the scan itself,
 /// leaf areas are 0. Needs the scan's voxels, results and rasters in its files.
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);

@@ -50,6 +50,8 @@ Result<void> LeafAngles::validate() const { return check_option_ranges(*this, "b
 
 Result<void> VoxelOptions::validate() const { return check_option_ranges(*this, "bad voxel option"); }
 
+Result<void> BeamOptions::validate() const { return check_option_ranges(*this, "bad beam option"); }
+
 Result<Estimator> parse_estimator(std::string_view name) {
   return parse_choice(name, kEstimators, "unknown estimator");
 }

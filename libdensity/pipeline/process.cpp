@@ -12,7 +12,7 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/pipeline/processed_scan.h"
 #include "libdensity/pipeline/scan_products.h"
-#include "libdensity/scan/beam_width.h"
+#include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
 #include "libdensity/scan/scan_voxels.h"
@@ -50,6 +50,7 @@ Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   const std::string key = processed_key(scan.work, known, scan.layout);
   RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, key));
   if (!processed) return false;
+  RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
   scan.processed = *processed;
   report_plants(scan);
   return true;
@@ -71,12 +72,16 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
 
   scan.voxels.wood = wood_of(layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
-  RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood));
+  auto view = view_of(work.scan, surveyed.surveys, work.options.beam);
+  RAYFIELD_ASSIGN(scan.voxels.echoes,
+                  measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
+  if (!scan.voxels.echoes) view = nullptr;
+  RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood,
+                                                          scan.voxels.echoes));
   RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(scan.voxels.tiles,
-                  count_voxels(work, {work.scan, work.voxels, ""}, scan.voxels.row_segments, scan.voxels.wood));
-  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels.row_segments,
-                                                            scan.voxels.wood, scan.voxels.tiles));
+                  count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));
+  RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels));
   scan.processed.leaf_size_m2 = results.element_area_m2;
   scan.processed.voxel_m = voxel_m;
   RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));
@@ -99,7 +104,7 @@ Result<void> take_or_make_plants(const tile::Store& store, ScanInWork& scan, con
 Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string& scan_id = scan.work.scan.scan_id;
   std::vector<std::string>& notes = scan.report.notes;
-  if (const std::string note = beam_note(scan.work.scan); !note.empty()) notes.push_back(note);
+  if (const std::string note = beam_note(scan.work.scan, scan.voxels.echoes); !note.empty()) notes.push_back(note);
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
   const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);

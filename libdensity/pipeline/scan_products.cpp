@@ -12,8 +12,8 @@
 #include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/results_io.h"
-#include "libdensity/scan/beam_width.h"
 #include "libdensity/scan/row_voxels.h"
+#include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/rounding.h"
@@ -30,16 +30,16 @@ struct ScanMaps {
 };
 
 // One row: density, then everything that is integrated from it.
-Result<void> integrate_one(ScanWork& work, const RowLayout& layout, const Row& row, const RowDensity& density,
-                           ScanMaps& maps) {
+Result<void> integrate_one(const RowLayout& layout, const Row& row, const RowDensity& density,
+                           const IntegrationOptions& options, ScanMaps& maps) {
   const std::vector<Panel> panels = panels_of(layout, row.number);
   std::vector<PanelValue> values =
-      integrate_panels(density, panels, layout.spacing_m, integration_with_beam(work.options.integration, work.scan));
+      integrate_panels(density, panels, layout.spacing_m, options);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i].panel_uid = panels[i].identity.uid;
     maps.results.panel_values.push_back(std::move(values[i]));
   }
-  for (RowMetreProduct& metre : row_metres(density, row.length_m(), work.options.integration)) {
+  for (RowMetreProduct& metre : row_metres(density, row.length_m(), options)) {
     metre.row_number = row.number;
     metre.position = point_at(row.centreline, metre.chainage_m).position;
     maps.results.row_metres.push_back(std::move(metre));
@@ -105,19 +105,20 @@ Result<RasterProduct> ground_raster(const GroundModel& ground, const RowLayout& 
 }
 
 Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                           const RowSegmentList& list, std::span<const WoodCylinder> wood,
-                           std::span<const tile::TileIndex> tiles) {
+                           const ScanVoxels& voxels) {
   ScanMaps maps;
-  RAYFIELD_ASSIGN(RowVoxels voxels, RowVoxels::open(work, "", tiles, work.options.memory_bytes / 8));
+  RAYFIELD_ASSIGN(RowVoxels counters, RowVoxels::open(work, "", voxels.tiles, work.options.memory_bytes / 8));
   RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
-  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, list.row_segments, work.options.plan));
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
+  const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    if (!voxels.has_row(row.number)) continue;
-    RAYFIELD_ASSIGN(const RowDensity density, voxels.density(row.number, list, wood, work.options.estimator));
+    if (!counters.has_row(row.number)) continue;
+    RAYFIELD_ASSIGN(const RowDensity density, counters.density(row.number, voxels.row_segments, voxels.wood,
+                                                               work.options.estimator, voxels.echoes));
     maps.results.element_area_m2 = density.leaf_size_m2;
-    RAYFIELD_CHECK(integrate_one(work, layout, row, density, maps));
+    RAYFIELD_CHECK(integrate_one(layout, row, density, integration, maps));
     plan.add(density);
     work.progress.advance(1);
   }
@@ -131,13 +132,13 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
 }  // namespace
 
 Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
-                                   const RowSegmentList& list, std::span<const WoodCylinder> wood,
-                                   std::span<const tile::TileIndex> tiles) {
+                                   const ScanVoxels& voxels) {
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
-  builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan)));
+  builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
+  builder.add(model_numbers(voxels.echoes));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
-  for (const tile::TileIndex index : tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
+  for (const tile::TileIndex index : voxels.tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileEntry& entry : work.scan.tiles)
     builder.add(work.files.sha256("ground", tile_name(entry.index)))
         .add(work.files.sha256("survey", tile_name(entry.index)));
@@ -146,7 +147,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   std::optional<ScanMaps> maps;
   const auto made = [&]() -> Result<void> {
     if (maps) return {};
-    RAYFIELD_ASSIGN(maps, make_maps(work, layout, surveyed, list, wood, tiles));
+    RAYFIELD_ASSIGN(maps, make_maps(work, layout, surveyed, voxels));
     return {};
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("results", "block", key, [&]() -> Result<tile::ArraySet> {

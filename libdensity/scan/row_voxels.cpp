@@ -21,8 +21,9 @@ Result<RowVoxels> RowVoxels::open(ScanWork& work, std::string prefix, std::span<
 }
 
 Result<RowDensity> RowVoxels::density(int row, const RowSegmentList& list, std::span<const WoodCylinder> wood,
-                                      const EstimatorOptions& options) {
-  RAYFIELD_ASSIGN(RowDensityBuilder builder, RowDensityBuilder::create(row, list.row_segments, wood, pairs_, options));
+                                      const EstimatorOptions& options, const std::optional<EchoModel>& model) {
+  RAYFIELD_ASSIGN(RowDensityBuilder builder,
+                  RowDensityBuilder::create(row, list.row_segments, wood, pairs_, options, model));
   if (const auto tiles = tiles_of_row_.find(row); tiles != tiles_of_row_.end()) {
     for (const tile::TileIndex index : tiles->second) {
       RAYFIELD_ASSIGN(const auto voxels, get(index));
@@ -42,7 +43,7 @@ Result<std::shared_ptr<const TileVoxels>> RowVoxels::get(tile::TileIndex index) 
   RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
   std::size_t size = 0;
   for (const RowSegmentVoxels& row_segment : voxels.row_segments)
-    size += row_segment.voxels.size() * sizeof(VoxelCounters);
+    size += row_segment.voxels.size() * sizeof(VoxelCounters) + row_segment.echoes.size() * sizeof(EchoCounters);
   kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
   used_ += size;
   while (used_ > bytes_ && kept_.size() > 1) {

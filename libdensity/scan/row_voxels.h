@@ -4,6 +4,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,9 +27,9 @@ class RowVoxels {
   /// Neighbouring beams of all tiles.
   const LeafSizePairs& pairs() const { return pairs_; }
   bool has_row(int row) const { return tiles_of_row_.count(row) > 0; }
-  /// A row without a counted voxel is unobserved throughout.
+  /// A row without a counted voxel is unobserved throughout. `model`: see RowDensityBuilder.
   Result<RowDensity> density(int row, const RowSegmentList& list, std::span<const WoodCylinder> wood,
-                             const EstimatorOptions& options);
+                             const EstimatorOptions& options, const std::optional<EchoModel>& model);
 
  private:
   struct Kept {

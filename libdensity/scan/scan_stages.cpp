@@ -67,15 +67,21 @@ Result<GroundTile> ground_one(ScanWork& work, std::size_t tile, const std::vecto
 
 }  // namespace
 
-Result<SurveyedScan> survey_scan(ScanWork& work) {
-  SurveyedScan result{{}, GroundModel(work.tile_size_m())};
+Result<std::vector<TileSurvey>> survey_tiles(ScanWork& work) {
+  std::vector<TileSurvey> surveys;
   work.progress.stage(fmt::format("{}: survey", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(TileSurvey survey, survey_one(work, entry));
-    result.surveys.push_back(std::move(survey));
+    surveys.push_back(std::move(survey));
     work.progress.advance(entry.start_count);
   }
+  return surveys;
+}
+
+Result<SurveyedScan> survey_scan(ScanWork& work) {
+  SurveyedScan result{{}, GroundModel(work.tile_size_m())};
+  RAYFIELD_ASSIGN(result.surveys, survey_tiles(work));
   work.progress.stage(fmt::format("{}: ground", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   std::vector<GroundTile> grounds(work.scan.tiles.size());
   RAYFIELD_CHECK(parallel_for(grounds.size(), work.threads, [&](std::size_t tile, int) -> Result<void> {

@@ -19,6 +19,8 @@ struct SurveyedScan {
   GroundModel ground;
 };
 Result<SurveyedScan> survey_scan(ScanWork& work);
+/// The first half of it.
+Result<std::vector<TileSurvey>> survey_tiles(ScanWork& work);
 
 /// The upright things that the scan shows along these rows.
 Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground, const RowLayout& rows);

@@ -34,6 +34,12 @@ void add_wood(KeyBuilder& key, const WoodCylinder& w) {
                               w.axis.z(), w.radius_m, w.length_m, w.bend_m});
 }
 
+// The track follows from the rays of all tiles.
+void add_view(KeyBuilder& key, const BeamView& view, const tile::ScanEntry& scan) {
+  key.add(view.beam.diameter_m).add(view.beam.divergence_rad).add(view.behind_m);
+  for (const tile::TileEntry& entry : scan.tiles) key.add(entry.content_sha256());
+}
+
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), work.threads, work.progress));
@@ -69,12 +75,14 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedR
     work.progress.advance(entry.start_count);
     if (scene.row_segments.empty()) continue;
     RAYFIELD_ASSIGN(VoxelAccumulator empty,
-                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, rays.voxels));
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, rays.voxels,
+                                             rays.view));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
     key.add(option_numbers(rays.voxels)).add(entry.content_sha256());
     for (const RowSegment& row_segment : scene.row_segments) add_row_segment(key, row_segment);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
+    if (rays.view) add_view(key, *rays.view, rays.scan);
     const std::string name = rays.prefix + tile_name(entry.index);
     RAYFIELD_CHECK(work.files.get("voxels", name, key.hex(), [&]() -> Result<tile::ArraySet> {
       RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
 
@@ -23,6 +25,7 @@ struct CountedRays {
   const tile::ScanEntry& scan;
   VoxelOptions voxels;
   std::string prefix;  ///< of the counters' names: "", or "wood_"
+  std::shared_ptr<const BeamView> view = nullptr;  ///< of beams that are not thin
 };
 
 /// Counts rays in the voxels of every tile that a row segment touches; the counters stay in the store (kind "voxels",

@@ -12,6 +12,7 @@ inline constexpr int kEvidenceVersion = 1;
 inline constexpr int kGeometryVersion = 1;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 3;
+inline constexpr int kEchoesVersion = 1;
 inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
 inline constexpr int kResultsVersion = 4;
@@ -20,7 +21,7 @@ inline constexpr int kLeafVersion = 1;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,      kGroundVersion, kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,
-          kRowSegmentsVersion, kVoxelsVersion, kResultsVersion,  kTotalsVersion,   kLeafVersion};
+          kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion, kResultsVersion,  kTotalsVersion,   kLeafVersion};
 }
 
 }  // namespace rayfield::density

@@ -60,6 +60,9 @@ class Derivation {
     return arrays;
   }
 
+  /// To take files of another scan by their keys. What is made there is not published.
+  Derivation for_scan(std::string scan_id) const { return {store_, writer_, std::move(scan_id), false}; }
+
   /// SHA-256 of the file made or kept under that kind and name.
   std::string sha256(const std::string& kind, const std::string& name) const;
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace rayfield::density {
 namespace {
@@ -102,6 +103,44 @@ Result<void> pull_voxels(Cursor& c, RowSegmentVoxels& out) {
   return {};
 }
 
+constexpr std::array<std::pair<const char*, std::int64_t EchoCounters::*>, 5> kEchoColumns = {{
+    {"echo", &EchoCounters::echo},
+    {"width", &EchoCounters::width},
+    {"depth", &EchoCounters::depth},
+    {"behind", &EchoCounters::behind},
+    {"echo_behind", &EchoCounters::echo_behind},
+}};
+
+void push_echoes(const TileVoxels& voxels, tile::ArraySet& out) {
+  for (const auto& [name, member] : kEchoColumns) {
+    std::vector<std::int64_t> values;
+    for (const RowSegmentVoxels& s : voxels.row_segments)
+      for (const EchoCounters& e : s.echoes) values.push_back(e.*member);
+    if (!values.empty()) column<std::int64_t>(out, name) = std::move(values);
+  }
+}
+
+/// Counters of beams that are not thin: there for all voxels or for none.
+Result<void> pull_echoes(const tile::ArraySet& a, std::vector<RowSegmentVoxels>& row_segments) {
+  if (a.columns.find(kEchoColumns.front().first) == a.columns.end()) return {};
+  std::size_t voxels = 0;
+  for (RowSegmentVoxels& s : row_segments) {
+    s.echoes.resize(s.voxels.size());
+    voxels += s.voxels.size();
+  }
+  for (const auto& [name, member] : kEchoColumns) {
+    RAYFIELD_ASSIGN(const auto values, a.column<std::int64_t>(name));
+    if (values.size() != voxels) return damaged("columns of echoes differ in length from those of voxels");
+    std::size_t at = 0;
+    for (RowSegmentVoxels& s : row_segments)
+      for (EchoCounters& e : s.echoes) {
+        e.*member = values[at++];
+        if (e.*member < 0) return damaged("negative sums over echoes");
+      }
+  }
+  return {};
+}
+
 std::vector<std::uint64_t> pair_counts(const LeafSizePairs& p) {
   std::vector<std::uint64_t> out;
   for (const auto& counts : {p.near, p.front, p.same, p.behind}) out.insert(out.end(), counts.begin(), counts.end());
@@ -133,6 +172,7 @@ tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
       potential.push_back(v.potential), hit_path.push_back(v.hit_path);
     }
   }
+  push_echoes(voxels, out);
   return out;
 }
 
@@ -168,6 +208,7 @@ Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
   if (cursor.at_column != cursor.column.size() || cursor.at_entry != cursor.entries.size() ||
       cursor.at_voxel != cursor.rays.size())
     return damaged("there are more voxels than row segments have");
+  RAYFIELD_CHECK(pull_echoes(arrays, out.row_segments));
   return out;
 }
 

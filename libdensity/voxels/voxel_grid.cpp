@@ -70,11 +70,11 @@ VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
   return *this;
 }
 
-std::span<const VoxelCounters> RowSegmentVoxels::column_voxels(int along, int across) const {
-  const std::int32_t c = column[row_segment.shape().column(along, across)];
-  if (c < 0) return {};
-  const auto n = static_cast<std::size_t>(row_segment.n_up);
-  return std::span(voxels).subspan(static_cast<std::size_t>(c) * n, n);
+EchoCounters& EchoCounters::operator+=(const EchoCounters& other) {
+  echo += other.echo;
+  width += other.width, depth += other.depth;
+  behind += other.behind, echo_behind += other.echo_behind;
+  return *this;
 }
 
 Eigen::Vector2d column_center(const RowSegment& s, int along, int across) {
@@ -91,6 +91,7 @@ struct VoxelAccumulator::Geometry {
   std::vector<WoodCylinder> wood;
   VoxelIndex index;
   TileGround ground;
+  std::shared_ptr<const BeamView> view;  // of beams that are not thin
 
   bool left_out(const Eigen::Vector3d& p, const Eigen::Vector3d& d) const {
     return options.sure_return_m > 0 && !ground.sure_to_return(p, d, options.sure_return_m, options.slope_margin);
@@ -100,7 +101,7 @@ struct VoxelAccumulator::Geometry {
 namespace {
 
 /// Numbers the columns of a row segment that belong to the tile; counters all zero.
-RowSegmentVoxels allocate(const RowSegment& s, const tile::TileRef& tile) {
+RowSegmentVoxels allocate(const RowSegment& s, const tile::TileRef& tile, bool wide) {
   RowSegmentVoxels out;
   out.row_segment = s;
   out.column.assign(s.shape().columns(), -1);
@@ -114,6 +115,7 @@ RowSegmentVoxels allocate(const RowSegment& s, const tile::TileRef& tile) {
   }
   out.entries.assign(static_cast<std::size_t>(next), 0);
   out.voxels.assign(static_cast<std::size_t>(next) * static_cast<std::size_t>(s.n_up), {});
+  if (wide) out.echoes.assign(out.voxels.size(), {});
   return out;
 }
 
@@ -123,12 +125,14 @@ VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry)
     : geometry_(std::move(geometry)), sums_(geometry_->empty) {}
 
 Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std::span<const RowSegment> row_segments,
-                                                  std::span<const WoodCylinder> wood, const VoxelOptions& options) {
+                                                  std::span<const WoodCylinder> wood, const VoxelOptions& options,
+                                                  std::shared_ptr<const BeamView> view) {
   RAYFIELD_CHECK(options.validate());
   auto geometry = std::make_shared<Geometry>();
   geometry->options = options;
   geometry->projection = LeafProjectionTable(options.leaf_angles);
   geometry->tile = tile.index;
+  geometry->view = std::move(view);
   std::vector<RowSegment> kept;
   double voxel_m = 0;
   for (const RowSegment& s : row_segments) {
@@ -140,7 +144,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
     if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))
       return fail(ErrorCode::usage, "cannot lay out voxels", where,
                   "voxel size not positive or direction not a unit vector");
-    RowSegmentVoxels voxels = allocate(s, tile);
+    RowSegmentVoxels voxels = allocate(s, tile, geometry->view != nullptr);
     if (voxels.entries.empty()) continue;
     kept.push_back(s);
     geometry->frames.emplace_back(s);
@@ -163,27 +167,51 @@ bool VoxelAccumulator::empty() const { return sums_.empty(); }
 template <class Meet>
 void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   std::vector<std::uint64_t> mask(static_cast<std::size_t>(geometry_->index.words()));
+  const BeamView* const view = geometry_->view.get();
+  EchoStatistics* const statistics = statistics_ ? &*statistics_ : nullptr;
+  std::size_t track_hint = 0;
+  EchoRun run;
   bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
   Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Eigen::Vector3d p = segments.entry[i];
     Eigen::Vector3d d = segments.exit[i] - p;
     const double length = d.norm();
-    const std::uint8_t flags = segments.flags[i];
+    const bool hit = (segments.flags[i] & tile::kHit) != 0;
     Counted counted;
     if (length > 0) {
       d /= length;
+      const bool neighbours = d.dot(last_direction) > kNeighbourCosine;
       const bool left_out = geometry_->left_out(p, d);
-      if (!left_out) counted = meet({p, d, length, (flags & tile::kHit) != 0, (flags & tile::kStartsHere) != 0}, mask);
-      if (last_was_leaf && !left_out && !counted.on_wood && d.dot(last_direction) > kNeighbourCosine) {
+      if (!left_out) {
+        Ray ray{p, d, length, hit, (segments.flags[i] & tile::kStartsHere) != 0};
+        if (view != nullptr) {
+          ray.range_m = std::max(0.0, (p - view->track.position(segments.time_s[i], track_hint)).dot(d));
+          ray.intensity = segments.intensity[i];
+        }
+        counted = meet(ray, mask);
+        if (statistics != nullptr) add_echo(ray, counted.hit, neighbours, run);
+      }
+      if (last_was_leaf && !left_out && !counted.on_wood && neighbours) {
         const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
-        const double along = to_hit.dot(d);
-        pairs_.add((to_hit - along * d).norm(), length - along, (flags & tile::kHit) != 0);
+        const double along = to_hit.dot(d), distance = (to_hit - along * d).norm();
+        pairs_.add(distance, length - along, hit);
+        if (statistics != nullptr)
+          statistics->add_pair(segments.intensity[i - 1], segments.intensity[i], distance, length - along, hit);
       }
     }
     last_was_leaf = counted.hit;
     last_direction = d;
   }
+}
+
+void VoxelAccumulator::add_echo(const Ray& ray, bool on_leaf, bool neighbours, EchoRun& run) {
+  if (!on_leaf || !neighbours) run.interrupt();
+  if (!on_leaf) return;
+  const double range_m = ray.range_m + ray.length, width_m = geometry_->view->beam.diameter_at(range_m);
+  statistics_->add_echo(ray.intensity, width_m);
+  if (run.push({range_m, width_m, ray.intensity}))
+    statistics_->add_inner_echo(run.inner_echo().intensity, run.inner_echo().width_m);
 }
 
 Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
@@ -194,7 +222,8 @@ Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
                 "more than 4294967295 segments in one tile", "use smaller tiles");
   if (sums_.empty()) return {};
   for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
-    if (!geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
+    const double behind_m = ray.hit && geometry_->view ? geometry_->view->behind_m : 0;
+    if (!geometry_->index.candidates(ray.origin, ray.direction, ray.length + behind_m, mask.data())) return {};
     return count(ray, mask);
   });
   return {};
@@ -202,6 +231,7 @@ Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
 
 void VoxelAccumulator::add_pairs(const tile::SegmentBatch& segments) {
   if (sums_.empty()) return;
+  if (geometry_->view && !statistics_) statistics_.emplace();
   for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
     if (!ray.hit || !geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
     return locate_hit(ray, mask);
@@ -240,37 +270,69 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
   std::size_t piece_count = 1;
   pieces[0] = {0, ray.length};
   Counted counted;
-  const double doubled_projection = 2 * g.projection(ray.direction.z());
+  candidates_.clear();
   for (std::size_t w = mask.size(); w-- > 0;) {  // from the top: wood comes before the row segments
     for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0;) {
       const auto top = static_cast<std::size_t>(63 - std::countl_zero(bits));
       bits &= ~(std::uint64_t{1} << top);
       const std::size_t item = w * 64 + top;
-      if (item >= segment_bits) {
-        Piece gap{};
-        if (!shell_interval(g.wood[item - segment_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
-                            gap.to) ||
-            gap.to <= 0 || gap.from >= ray.length)
-          continue;
-        gaps.insert(gap);
-        piece_count = gaps.pieces(ray.length, pieces);
-        counted.on_wood = ray.hit && gaps.covers(ray.length);
+      if (item < segment_bits) {
+        candidates_.push_back(item);
         continue;
       }
-      const GridFrame& frame = g.frames[item];
-      const Eigen::Vector3d g0 = frame.grid_from_map(ray.origin), dg = frame.linear * ray.direction;
-      for (std::size_t k = 0; k < piece_count; ++k) {
-        const RayPiece piece{pieces[k].from,
-                             pieces[k].to,
-                             doubled_projection,
-                             ray.hit && pieces[k].to == ray.length,
-                             k == 0,
-                             ray.starts && pieces[k].from == 0};
-        if (traverse(sums_[item], g0, dg, piece)) counted.hit = true;
-      }
+      Piece gap{};
+      if (!shell_interval(g.wood[item - segment_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
+                          gap.to) ||
+          gap.to <= 0 || gap.from >= ray.length)
+        continue;
+      gaps.insert(gap);
+      piece_count = gaps.pieces(ray.length, pieces);
+      counted.on_wood = ray.hit && gaps.covers(ray.length);
     }
   }
+  const double doubled_projection = 2 * g.projection(ray.direction.z());
+  std::array<RayPiece, kMaxGaps + 1> ray_pieces;
+  for (std::size_t k = 0; k < piece_count; ++k)
+    ray_pieces[k] = {pieces[k].from, pieces[k].to, doubled_projection, ray.hit && pieces[k].to == ray.length, k == 0,
+                     ray.starts && pieces[k].from == 0};
+  const std::span<const RayPiece> whole(ray_pieces.data(), piece_count);
+  if (g.view) {
+    counted.hit = count_wide(ray, whole, counted.on_wood);
+    return counted;
+  }
+  for (const std::size_t item : candidates_) {
+    const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
+    for (const RayPiece& piece : whole)
+      if (traverse<false>(sums_[item], g0, dg, piece, {})) counted.hit = true;
+  }
   return counted;
+}
+
+bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
+  const Geometry& g = *geometry_;
+  const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
+  const double doubled_projection = 2 * g.projection(ray.direction.z());
+  met_.clear();
+  for (const std::size_t item : candidates_) {
+    const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
+    const Shape3 shape = sums_[item].row_segment.shape();
+    GridChord chord{0, end, -1};
+    if (clip_to_grid({shape.ni, shape.nj, shape.nk}, g0, dg, chord))
+      met_.push_back({item, g0, dg, chord.from, chord.to});
+  }
+  std::sort(met_.begin(), met_.end(),
+            [](const Met& a, const Met& b) { return a.from != b.from ? a.from < b.from : a.item < b.item; });
+  WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+  bool hit = false;
+  for (const Met& met : met_) {
+    RowSegmentVoxels& sums = sums_[met.item];
+    for (const RayPiece& piece : pieces)
+      if (traverse<true>(sums, met.g0, met.dg, piece, wide)) hit = true;
+    if (end > ray.length)
+      add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false}, ray.intensity);
+    wide.depth_sides += (met.to - met.from) * doubled_projection / sums.row_segment.voxel_m;
+  }
+  return hit;
 }
 
 Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
@@ -279,12 +341,18 @@ Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
     return fail(ErrorCode::internal, "cannot merge voxel counts", "tile",
                 "too many segments or different row segments");
   pairs_ += other.pairs_;
+  if (other.statistics_) {
+    if (!statistics_) statistics_.emplace();
+    statistics_->merge(*other.statistics_);
+  }
   for (std::size_t s = 0; s < sums_.size(); ++s) {
     RowSegmentVoxels& mine = sums_[s];
     const RowSegmentVoxels& theirs = other.sums_[s];
-    if (!same_grid(mine.row_segment, theirs.row_segment) || mine.voxels.size() != theirs.voxels.size())
+    if (!same_grid(mine.row_segment, theirs.row_segment) || mine.voxels.size() != theirs.voxels.size() ||
+        mine.echoes.size() != theirs.echoes.size())
       return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different row segments");
     for (std::size_t i = 0; i < mine.voxels.size(); ++i) mine.voxels[i] += theirs.voxels[i];
+    for (std::size_t i = 0; i < mine.echoes.size(); ++i) mine.echoes[i] += theirs.echoes[i];
     for (std::size_t i = 0; i < mine.entries.size(); ++i) mine.entries[i] += theirs.entries[i];
   }
   return {};

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "libdensity/echoes/echo_statistics.h"
 #include "libdensity/layout/row_layout.h"
+#include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/leaf_angle.h"
 #include "libdensity/echoes/leaf_size.h"
 #include "libdensity/voxels/wood.h"
@@ -36,6 +41,25 @@ struct VoxelCounters {
 };
 static_assert(sizeof(VoxelCounters) == 32, "two to a cache line");
 
+/// What beams that are not thin add to the counters of a voxel (docs/beams.md, "How it is taken out"); u as in
+/// VoxelCounters. Integers as there, paths in units of 2⁻¹³, so that no product overflows before `rays` does.
+struct EchoCounters {
+  std::int64_t echo = 0;         ///< Σ intensity of the hits
+  std::int64_t width = 0;        ///< Σ u · diameter of the beam, 10 µm
+  std::int64_t depth = 0;        ///< Σ u · u before in the grids of rows, 2⁻⁸ voxel sides
+  std::int64_t behind = 0;       ///< Σ u within BeamView::behind_m behind the echoes
+  std::int64_t echo_behind = 0;  ///< Σ u behind · intensity of the echo
+  static constexpr double kPathUnit = 1.0 / (1 << 13), kWidthUnitM = 1e-5, kDepthUnit = 1.0 / (1 << 8);
+  static std::int64_t path_units(double u) { return std::llrint(u * (1 / kPathUnit)); }
+  static std::int64_t width_units(double width_m) { return limited(width_m * (1 / kWidthUnitM)); }
+  static std::int64_t depth_units(double depth) { return limited(depth * (1 / kDepthUnit)); }
+  EchoCounters& operator+=(const EchoCounters& other);
+  bool operator==(const EchoCounters&) const = default;
+
+ private:
+  static std::int64_t limited(double units) { return std::llrint(std::clamp(units, 0.0, 65535.0)); }
+};
+
 /// The voxels of one row segment whose columns belong to one tile: a column belongs to the tile that holds its centre.
 struct RowSegmentVoxels {
   RowSegment row_segment;
@@ -43,10 +67,21 @@ struct RowSegmentVoxels {
   std::vector<std::uint32_t> entries;  ///< per column here: rays that enter the row's grid there (through any face but
                                        ///< the ends of the row segment) or start there; each ray once
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
+  std::vector<EchoCounters> echoes;    ///< likewise, empty for thin beams
 
   std::size_t column_count() const { return entries.size(); }
   /// The column's voxels from below, or an empty span where another tile has them.
-  std::span<const VoxelCounters> column_voxels(int along, int across) const;
+  std::span<const VoxelCounters> column_voxels(int along, int across) const { return column_of(voxels, along, across); }
+  std::span<const EchoCounters> column_echoes(int along, int across) const { return column_of(echoes, along, across); }
+
+ private:
+  template <class T>
+  std::span<const T> column_of(const std::vector<T>& values, int along, int across) const {
+    const std::int32_t c = column[row_segment.shape().column(along, across)];
+    if (c < 0 || values.empty()) return {};
+    const auto n = static_cast<std::size_t>(row_segment.n_up);
+    return std::span(values).subspan(static_cast<std::size_t>(c) * n, n);
+  }
 };
 
 /// What one tile of one scan knows of the voxels in it.
@@ -57,6 +92,8 @@ struct TileVoxels {
   LeafSizePairs pairs;  ///< of the hits counted here; summed over a scan they tell the leaves' size
 };
 
+struct RayPiece;
+
 /// Centre of a voxel column in plan, map coordinates.
 Eigen::Vector2d column_center(const RowSegment& row_segment, int along, int across);
 
@@ -66,15 +103,19 @@ Eigen::Vector2d column_center(const RowSegment& row_segment, int along, int acro
 class VoxelAccumulator {
  public:
   /// Errors: usage (options, row segments with no voxels or a size that is not positive).
+  /// `view`: of beams that are not thin; with it EchoCounters are counted too.
   static Result<VoxelAccumulator> create(const tile::TileRef& tile, std::span<const RowSegment> row_segments,
-                                         std::span<const WoodCylinder> wood, const VoxelOptions& options);
+                                         std::span<const WoodCylinder> wood, const VoxelOptions& options,
+                                         std::shared_ptr<const BeamView> view = nullptr);
   /// Errors: resources, after 2³²−1 segments.
   Result<void> add(const tile::SegmentBatch& segments);
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
-  /// fitted to it.
+  /// fitted to it. With a BeamView the strength of the echoes, too.
   void add_pairs(const tile::SegmentBatch& segments);
   Result<void> merge(const VoxelAccumulator& other);
   TileVoxels finish() &&;
+  /// Of add_pairs(); nothing for thin beams.
+  const std::optional<EchoStatistics>& echo_statistics() const { return statistics_; }
 
   /// No column of any row segment lies in the tile: nothing to count.
   bool empty() const;
@@ -85,6 +126,14 @@ class VoxelAccumulator {
     Eigen::Vector3d origin, direction;
     double length;
     bool hit, starts;
+    double range_m = 0;           ///< of the origin from the sensor; beams that are not thin
+    std::uint16_t intensity = 0;  ///< of the hit
+  };
+  /// A row segment that a ray meets: the ray in voxel coordinates, and its part inside.
+  struct Met {
+    std::size_t item;
+    Eigen::Vector3d g0, dg;
+    double from, to;
   };
   struct Counted {
     bool hit = false;      ///< in a voxel of this tile
@@ -94,13 +143,23 @@ class VoxelAccumulator {
   Counted count(const Ray& ray, std::vector<std::uint64_t>& mask);
   /// What count() returns, without counting.
   Counted locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const;
-  /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_.
+  /// As count() of a beam that is not thin: the row segments of candidates_ in the ray's order, and the path behind its echo.
+  /// Returns Counted::hit.
+  bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
+  /// Into statistics_. `neighbours`: the ray before it is one beam away.
+  void add_echo(const Ray& ray, bool on_leaf, bool neighbours, EchoRun& run);
+  /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_ and
+  /// statistics_.
   template <class Meet>
   void for_rays(const tile::SegmentBatch& segments, Meet meet);
   explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
   std::shared_ptr<const Geometry> geometry_;
   std::vector<RowSegmentVoxels> sums_;
   LeafSizePairs pairs_;
+  std::optional<EchoStatistics> statistics_;  // once add_pairs() is called with a view
+  // Of one ray; kept for their memory. Row segments that it can meet, and those that it does.
+  std::vector<std::size_t> candidates_;
+  std::vector<Met> met_;
   std::uint64_t segments_ = 0;
 };
 

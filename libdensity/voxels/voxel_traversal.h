@@ -20,18 +20,24 @@ struct RayPiece {
   bool starts;                ///< the ray itself starts at `from`
 };
 
+/// What of a beam belongs to its ray.
+struct WideRay {
+  double width_at_origin_m, divergence_rad;  ///< diameter at t metres along the ray: width_at_origin_m + divergence·t
+  double depth_sides;                        ///< path in voxels before this grid, spherical-equivalent
+  std::uint16_t intensity;                   ///< of the echo
+};
+
 inline std::int64_t fixed(double u) { return std::llrint(u * (1.0 / VoxelCounters::kUnit)); }
 
-/// Adds a piece of the ray g0 + t·dg (voxel coordinates, t in metres) to every voxel that it crosses (Amanatides & Woo
-/// 1987, in the sheared frame; t stays true metres). Every hit inside the grid is counted in exactly one voxel: the
-/// one in which the piece ends; returns whether that voxel is one of this tile's.
-inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
-                     const RayPiece& piece) {
-  const RowSegment& s = sums.row_segment;
-  const Shape3 shape = s.shape();
-  const int n[3] = {shape.ni, shape.nj, shape.nk};
-  double t0 = piece.from, t1 = piece.to;
-  int face = -1;  // axis of the face through which the ray comes in
+/// Where the line g0 + t·dg (voxel coordinates) runs in a grid.
+struct GridChord {
+  double from, to;
+  int face;  ///< axis of the face through which it comes in; −1: `from` was inside
+};
+
+/// The part from `from` to `to` inside the grid; false where there is none.
+inline bool clip_to_grid(const int (&n)[3], const Eigen::Vector3d& g0, const Eigen::Vector3d& dg, GridChord& chord) {
+  chord.face = -1;
   for (int k = 0; k < 3; ++k) {
     if (dg[k] == 0) {
       if (g0[k] < 0 || g0[k] >= n[k]) return false;
@@ -40,55 +46,118 @@ inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Ei
     const double inv = 1 / dg[k];
     const double a = -g0[k] * inv, b = (n[k] - g0[k]) * inv;
     const double in = std::min(a, b);
-    if (in > t0) t0 = in, face = k;
-    t1 = std::min(t1, std::max(a, b));
-    if (!(t0 < t1)) return false;
+    if (in > chord.from) chord.from = in, chord.face = k;
+    chord.to = std::min(chord.to, std::max(a, b));
+    if (!(chord.from < chord.to)) return false;
   }
-  const bool hit_inside = piece.hit && t1 == piece.to;
+  return true;
+}
+
+/// One voxel on the way.
+struct VoxelStep {
+  std::int32_t column;  ///< −1: of another tile
+  std::size_t voxel;    ///< in RowSegmentVoxels::voxels; of no meaning without a column
+  double from, to;      ///< along the ray, m
+  double face;          ///< where the straight line would leave the voxel, at `to` or beyond
+  bool first, last;     ///< of the chord
+};
+
+/// Calls visit(step) for the voxels along a chord in order (Amanatides & Woo 1987, in the sheared frame; t stays true
+/// metres).
+template <class Visit>
+inline void walk(const RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                 const GridChord& chord, Visit visit) {
+  const Shape3 shape = sums.row_segment.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
   const double never = std::numeric_limits<double>::infinity();
   int i[3], step[3];
   double next[3], delta[3];
   for (int k = 0; k < 3; ++k) {
-    const double g = g0[k] + t0 * dg[k];
+    const double g = g0[k] + chord.from * dg[k];
     i[k] = std::clamp(floor_int(g), 0, n[k] - 1);
-    if (k == face) i[k] = dg[k] > 0 ? 0 : n[k] - 1;
+    if (k == chord.face) i[k] = dg[k] > 0 ? 0 : n[k] - 1;
     step[k] = dg[k] >= 0 ? 1 : -1;
     delta[k] = dg[k] != 0 ? 1 / std::abs(dg[k]) : never;
     next[k] = dg[k] != 0 ? (i[k] + (dg[k] > 0 ? 1 : 0) - g0[k]) / dg[k] : never;
   }
-  const double to_voxels = 1 / s.voxel_m;
   const auto n_up = static_cast<std::size_t>(n[2]);
-  const bool counts_entry = piece.first && (face == 1 || face == 2 || (face < 0 && piece.starts));
-  bool at_entry = counts_entry;
-  double t = t0;
+  bool first = true;
+  double t = chord.from;
   for (;;) {
     const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    const double t_exit = std::min(next[axis], t1);
-    const bool last = !(next[axis] < t1);
-    const bool hit_here = last && hit_inside;
+    const bool last = !(next[axis] < chord.to);
     const std::int32_t column = sums.column[shape.column(i[0], i[1])];
-    if (column >= 0 && (t_exit > t || hit_here)) {
-      VoxelCounters& v = sums.voxels[static_cast<std::size_t>(column) * n_up + static_cast<std::size_t>(i[2])];
-      const double x = std::max(0.0, t_exit - t) * to_voxels;
-      const std::int64_t u = fixed(x * piece.doubled_projection);
-      ++v.rays;
-      v.path += u;
-      if (!hit_here) {
-        v.potential += u;
-      } else {
-        ++v.hits;
-        v.hit_path += u;
-        v.potential += std::max(u, fixed((next[axis] - t) * to_voxels * piece.doubled_projection));
-      }
-      if (at_entry) ++sums.entries[column];
-    }
-    at_entry = false;
-    if (last) return hit_here && column >= 0;
+    const double t_exit = std::min(next[axis], chord.to);
+    const std::size_t voxel = static_cast<std::size_t>(column) * n_up + static_cast<std::size_t>(i[2]);
+    visit(VoxelStep{column, voxel, t, t_exit, next[axis], first, last});
+    if (last) return;
+    first = false;
     t = t_exit;
     i[axis] += step[axis];
-    if (i[axis] < 0 || i[axis] >= n[axis]) return false;
+    if (i[axis] < 0 || i[axis] >= n[axis]) return;
     next[axis] += delta[axis];
   }
+}
+
+/// Adds a piece of the ray g0 + t·dg (voxel coordinates, t in metres) to every voxel that it crosses. Every hit inside
+/// the grid is counted in exactly one voxel: the one in which the piece ends; returns whether that voxel is one of this
+/// tile's. `wide`: for grids with EchoCounters.
+template <bool kWide>
+inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                     const RayPiece& piece, const WideRay& wide) {
+  const Shape3 shape = sums.row_segment.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
+  GridChord chord{piece.from, piece.to, -1};
+  if (!clip_to_grid(n, g0, dg, chord)) return false;
+  const bool hit_inside = piece.hit && chord.to == piece.to;
+  const bool counts_entry = piece.first && (chord.face == 1 || chord.face == 2 || (chord.face < 0 && piece.starts));
+  const double to_voxels = 1 / sums.row_segment.voxel_m;
+  bool hit_counted = false;
+  walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
+    const bool hit_here = at.last && hit_inside;
+    if (at.column < 0 || !(at.to > at.from || hit_here)) return;
+    VoxelCounters& v = sums.voxels[at.voxel];
+    const double x = std::max(0.0, at.to - at.from) * to_voxels;
+    const std::int64_t u = fixed(x * piece.doubled_projection);
+    ++v.rays;
+    v.path += u;
+    if (!hit_here) {
+      v.potential += u;
+    } else {
+      ++v.hits;
+      v.hit_path += u;
+      v.potential += std::max(u, fixed((at.face - at.from) * to_voxels * piece.doubled_projection));
+      hit_counted = true;
+    }
+    if (at.first && counts_entry) ++sums.entries[at.column];
+    if constexpr (kWide) {
+      EchoCounters& e = sums.echoes[at.voxel];
+      const double middle = (at.from + at.to) / 2;
+      const std::int64_t path = EchoCounters::path_units(x * piece.doubled_projection);
+      e.width += path * EchoCounters::width_units(wide.width_at_origin_m + wide.divergence_rad * middle);
+      e.depth += path * EchoCounters::depth_units(wide.depth_sides +
+                                                  (middle - chord.from) * to_voxels * piece.doubled_projection);
+      if (hit_here) e.echo += wide.intensity;
+    }
+  });
+  return hit_counted;
+}
+
+/// Adds the path behind an echo: `piece` begins there.
+inline void add_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                       const RayPiece& piece, std::uint16_t intensity) {
+  const Shape3 shape = sums.row_segment.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
+  GridChord chord{piece.from, piece.to, -1};
+  if (!clip_to_grid(n, g0, dg, chord)) return;
+  const double to_units = piece.doubled_projection / sums.row_segment.voxel_m;
+  walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
+    if (at.column < 0) return;
+    EchoCounters& e = sums.echoes[at.voxel];
+    const std::int64_t path = EchoCounters::path_units(std::max(0.0, at.to - at.from) * to_units);
+    e.behind += path;
+    e.echo_behind += path * intensity;
+  });
 }
 
 }  // namespace rayfield::density

@@ -106,6 +106,23 @@ struct LeafAngles {
   Result<void> validate() const;
 };
 
+/// Taking out the width of beams that are not thin, where the rig tells it (docs/beams.md).
+struct BeamOptions {
+  bool enabled = true;
+  double range_resolution_m = 0.15;
+  double full_echo = 0;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.flag("enabled", o.enabled, "false: every echo counts as the hit of a thin ray, whatever the beam");
+    v.number("range_resolution_m", o.range_resolution_m, {0.005, 2},
+             "What lies closer together along the beam makes one echo: half the length of the pulse");
+    v.number("full_echo", o.full_echo, {0, 65535},
+             "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
+  }
+  Result<void> validate() const;
+};
+
 /// Counting rays in voxels.
 struct VoxelOptions {
   LeafAngles leaf_angles;
@@ -220,6 +237,7 @@ struct ProcessOptions {
   RowSegmentOptions segments;
   VoxelFitOptions voxel_fit;
   VoxelOptions voxels;
+  BeamOptions beam;
   EstimatorOptions estimator;
   IntegrationOptions integration;
   PlanRasterOptions plan;
@@ -241,6 +259,7 @@ struct ProcessOptions {
     v.group("segments", o.segments);
     v.group("voxel_fit", o.voxel_fit);
     v.group("voxels", o.voxels);
+    v.group("beam", o.beam);
     v.group("estimator", o.estimator);
     v.group("integration", o.integration);
     v.group("plan", o.plan);

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "libdensity/echoes/leaf_size.h"
+
+namespace rayfield::density {
+
+/// How strong the echoes of a scan's leaves are, by the width of the beam where they came from. Integers: any split of
+/// the echoes gives the same sums.
+class EchoStatistics {
+ public:
+  static constexpr int kWidthBins = 80;
+  static constexpr double kWidthStepM = 0.002;
+  static constexpr int kIntensities = 1 << 16;
+  static constexpr int kLevels = 64;  ///< of intensity, four to a doubling
+
+  struct Sum {
+    std::int64_t count = 0, intensity = 0;
+    void add(std::int64_t n, std::int64_t of_intensity) { count += n, intensity += of_intensity; }
+    double mean() const { return count > 0 ? static_cast<double>(intensity) / static_cast<double>(count) : 0; }
+    bool operator==(const Sum&) const = default;
+  };
+
+  EchoStatistics();
+
+  /// An echo on a leaf of a beam that is `width_m` wide there.
+  void add_echo(std::uint16_t intensity, double width_m);
+  /// One of those, when the beams beside it ended on the same surface.
+  void add_inner_echo(std::uint16_t intensity, double width_m);
+  /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
+  void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
+  void merge(const EchoStatistics& other);
+
+  std::uint64_t echoes() const;
+  /// [bin of width]
+  const std::array<Sum, kWidthBins>& all() const { return all_; }
+  const std::array<Sum, kWidthBins>& inner() const { return inner_; }
+  /// [intensity]: number of echoes
+  const std::vector<std::uint32_t>& histogram() const { return histogram_; }
+  /// Pairs of which only echoes of at least so much count: weaker ones lie at edges, where the middle of the beam goes
+  /// past.
+  LeafSizePairs pairs_from(double intensity) const;
+  bool operator==(const EchoStatistics&) const = default;
+
+ private:
+  std::array<Sum, kWidthBins> all_{}, inner_{};
+  std::vector<std::uint32_t> histogram_;
+  std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
+};
+
+/// Tells which echoes are inner: the middle one of five beams in a row whose ends lie on one surface.
+class EchoRun {
+ public:
+  struct Echo {
+    double range_m = 0;
+    double width_m = 0;
+    std::uint16_t intensity = 0;
+  };
+  /// The next echo. Returns whether the one two before it is inner: inner_echo().
+  bool push(const Echo& echo);
+  const Echo& inner_echo() const { return last_[2]; }
+  /// A beam in between ended elsewhere.
+  void interrupt() { length_ = 0; }
+
+ private:
+  static constexpr double kSurfaceStepM = 0.03;  // range between neighbours
+  std::array<Echo, 5> last_{};                   // the latest first
+  int length_ = 0;
+};
+
+}  // namespace rayfield::density

@@ -1,0 +1,154 @@
+#include "libdensity/scan/scan_echoes.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "libdensity/scan/scan_voxels.h"
+#include "libdensity/scan/stage_versions.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/tiles/stored.h"
+#include "libdensity/voxels/voxel_grid.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kKind = "echoes";
+constexpr double kTypicalRangeM = 2;      // from a lane to the row beside it
+constexpr double kThinM = 0.003;          // diameter there
+constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
+constexpr double kCountedErrorPerM = 8;   // relative error by the diameter there, where echoes are counted as hits
+constexpr double kModelError = 0.06;      // and where they are weighed
+
+double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
+
+double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
+  if (diameter_of(scan) <= kThinM) return 0;
+  return model ? std::hypot(kModelError, model->full_echo_error) : std::min(1.0, kCountedErrorPerM * diameter_of(scan));
+}
+
+// One tile. Sums of integers, so that the order of the rays does not matter.
+Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, SampledEchoes& sampled) {
+  RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+  const auto add_pairs = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { sum.add_pairs(rays); };
+  RAYFIELD_ASSIGN(VoxelAccumulator sum,
+                  accumulate_tile(reader, std::move(empty), work.threads, work.progress, add_pairs));
+  if (sum.echo_statistics()) {
+    if (!sampled.statistics) sampled.statistics.emplace();
+    sampled.statistics->merge(*sum.echo_statistics());
+  }
+  sampled.pairs += std::move(sum).finish().pairs;
+  return {};
+}
+
+std::vector<double> fields_of(const EchoModel& m) {
+  return {m.full_echo,     m.detection_share, m.leaf_area_m2, m.leaf_measured ? 1.0 : 0.0, m.full_echo_error,
+          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad};
+}
+
+Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
+  RAYFIELD_ASSIGN(const auto f, arrays.column<double>("model"));
+  if (f.empty()) return std::nullopt;
+  if (f.size() != fields_of({}).size()) return damaged(arrays, "the model has another number of values");
+  for (const double x : f)
+    if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3] != 0, f[4], f[5], f[6]};
+  if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
+  return m;
+}
+
+}  // namespace
+
+Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
+                                    std::span<const WoodCylinder> wood, std::shared_ptr<const BeamView> view) {
+  SampledEchoes sampled;
+  work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    work.progress.advance(1);
+    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
+    if (scene.row_segments.empty()) continue;
+    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(work.tile_of(entry), scene.row_segments,
+                                                                     scene.wood, work.voxels, view));
+    if (empty.empty()) continue;
+    RAYFIELD_CHECK(sample_tile(work, entry, std::move(empty), sampled));
+  }
+  return sampled;
+}
+
+std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, std::span<const TileSurvey> surveys,
+                                        const BeamOptions& options) {
+  if (!options.enabled || diameter_of(scan) <= kThinM) return nullptr;
+  std::vector<const TileSurvey*> of_tiles;
+  for (const TileSurvey& survey : surveys) of_tiles.push_back(&survey);
+  return std::make_shared<const BeamView>(
+      BeamView{*scan.beam, kBehindResolutions * options.range_resolution_m, SensorTrack(join_path(of_tiles))});
+}
+
+Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                                const CanopyProfile& profile, std::span<const WoodCylinder> wood,
+                                                const std::shared_ptr<const BeamView>& view) {
+  if (!view) return std::nullopt;
+  const double sample_m = work.options.voxel_fit.sample_m;
+  KeyBuilder key(kKind, kEchoesVersion);
+  key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
+  key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
+  key.add(view->beam.diameter_m).add(view->beam.divergence_rad).add(view->beam.detection_share.value_or(-1));
+  key.add(work.layout_key).add(work.files.sha256("profile", "block"));
+  for (const tile::TileEntry& entry : work.scan.tiles)
+    key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_ASSIGN(const RowSegmentList row_segments,
+                    make_row_segmentes(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
+    RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
+    const BeamOptions& beam = work.options.beam;
+    const auto model = sampled.statistics
+                           ? estimate_echo_model(*sampled.statistics, {view->beam, beam.range_resolution_m,
+                                                                       beam.full_echo, work.options.estimator.leaf_size_m2})
+                           : std::nullopt;
+    tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
+    arrays.columns["model"] = model ? fields_of(*model) : std::vector<double>{};
+    return arrays;
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key.hex(), make));
+  return model_from(arrays);
+}
+
+Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan) {
+  for (const tile::DerivedEntry& entry : scan.derived) {
+    if (entry.kind != kKind) continue;
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
+    return model_from(arrays);
+  }
+  return std::nullopt;
+}
+
+std::vector<double> model_numbers(const std::optional<EchoModel>& model) {
+  return model ? fields_of(*model) : std::vector<double>{};
+}
+
+IntegrationOptions integration_with_beam(const IntegrationOptions& integration, const tile::ScanEntry& scan,
+                                         const std::optional<EchoModel>& model) {
+  IntegrationOptions options = integration;
+  options.shared_error = std::min(1.0, std::hypot(options.shared_error, error_of(scan, model)));
+  return options;
+}
+
+std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
+  const double diameter = diameter_of(scan), error = error_of(scan, model);
+  if (error == 0) return {};
+  std::string note = fmt::format("the beam of {}'s lidar is {:.0f} mm wide at {:.0f} m, ", scan.scan_id,
+                                 1000 * diameter, kTypicalRangeM);
+  if (!model)
+    return note + fmt::format("and its echoes do not tell what they hold of it (no intensities, or too few): areas are "
+                              "off by about {:.0f} %, and their intervals say so",
+                              100 * error);
+  note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
+                      model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
+                      1e4 * model->leaf_area_m2);
+  if (!model->leaf_measured) note += " (not measured: neighbouring beams are too far apart)";
+  return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
+}
+
+}  // namespace rayfield::density

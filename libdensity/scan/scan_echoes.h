@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libdensity/echoes/echo_model.h"
+#include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/beam_view.h"
+#include "libdensity/voxels/canopy_profile.h"
+#include "libdensity/voxels/row_segments.h"
+#include "libdensity/voxels/wood.h"
+
+namespace rayfield::density {
+
+/// What the rays of a scan show of leaves before voxels are fitted to them.
+struct SampledEchoes {
+  LeafSizePairs pairs;
+  std::optional<EchoStatistics> statistics;  ///< of beams that are not thin
+};
+/// `view`: of beams that are not thin, or nullptr.
+Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
+                                    std::span<const WoodCylinder> wood, std::shared_ptr<const BeamView> view);
+
+/// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
+/// where the options say so.
+std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, std::span<const TileSurvey> surveys,
+                                        const BeamOptions& options);
+
+/// What the echoes of the scan mean (kind "echoes"); nothing where they cannot tell.
+Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                                const CanopyProfile& profile, std::span<const WoodCylinder> wood,
+                                                const std::shared_ptr<const BeamView>& view);
+
+/// The same from the files of a scan that was processed before.
+Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan);
+
+/// Everything in it, for keys.
+std::vector<double> model_numbers(const std::optional<EchoModel>& model);
+
+/// The options of integration with the error that the width of the scan's beam adds to what all voxels of a panel
+/// share (docs/beams.md, "How far it can be trusted").
+IntegrationOptions integration_with_beam(const IntegrationOptions& integration, const tile::ScanEntry& scan,
+                                         const std::optional<EchoModel>& model);
+
+/// What the report says of the scan's beam; empty for thin beams and where the beam is not known.
+std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel>& model);
+
+}  // namespace rayfield::density

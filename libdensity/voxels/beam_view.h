@@ -1,0 +1,15 @@
+#pragma once
+
+#include "libdensity/ground/sensor_track.h"
+#include "rayfield/core/lidar_beam.h"
+
+namespace rayfield::density {
+
+/// How the beams of a scan look at the voxels, where they are not thin.
+struct BeamView {
+  LidarBeam beam;
+  double behind_m = 0;  ///< behind an echo, path of that part of the beam which is not in it (EchoCounters)
+  SensorTrack track;    ///< of the scan
+};
+
+}  // namespace rayfield::density
