@@ -38,4 +38,13 @@ double returned_share(double diameter_sides, double detection_share, double opti
   return sum;
 }
 
+double mean_echo_share(double diameter_sides, double detection_share) {
+  const Place d = place_in(kDiameters, diameter_sides), s = place_in(kShares, detection_share);
+  double sum = 0;
+  for (const std::size_t i : {0, 1})
+    for (const std::size_t j : {0, 1})
+      sum += (i == 1 ? d.share : 1 - d.share) * (j == 1 ? s.share : 1 - s.share) * kMeanShare[d.low + i][s.low + j];
+  return sum;
+}
+
 }  // namespace rayfield::density

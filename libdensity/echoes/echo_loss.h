@@ -10,4 +10,8 @@ namespace rayfield::density {
 /// `optical_path`: mean number of hits of thin rays on the way before.
 double returned_share(double diameter_sides, double detection_share, double optical_path);
 
+/// Mean share of the beam that an echo of random leaves holds, in canopy as dense as it is around echoes: leaves behind
+/// one another within the range resolution make one echo.
+double mean_echo_share(double diameter_sides, double detection_share);
+
 }  // namespace rayfield::density

@@ -4,95 +4,67 @@
 #include <cmath>
 #include <vector>
 
+#include "libdensity/echoes/echo_loss.h"
+
 namespace rayfield::density {
 namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000;
-constexpr std::int64_t kEnoughInner = 500;
-constexpr double kNearShare = 0.3;           // of the inner echoes: those of the narrowest beams
-constexpr double kInnerError = 0.06;         // relative, of their mean as a full echo
-constexpr double kDrawnOutError = 0.5;       // of the way from the nearest echoes to the drawn-out value
-constexpr double kLeastDrawnOutError = 0.02;
+constexpr std::int64_t kEnoughInner = 2000, kEnoughWood = 300;
+constexpr double kNearShare = 0.3;          // of the echoes: those of the narrowest beams
+constexpr double kInnerBias = 1.026;        // of inner echoes, over full ones
+constexpr double kMeanError = 0.06;         // relative, of the full echo from the mean echo
+constexpr double kBothError = 0.04;         // from the mean and inner echoes
+constexpr double kWoodError = 0.15;         // from posts and trunks
+constexpr double kOfCanes = 0.7;            // of a post's echo; below that, echoes are of what is thinner than the beam
+constexpr double kStrongestShare = 0.01;    // of the echoes are as strong as a post's, then
+constexpr double kWeakestShare = 0.05;      // of the echoes lie below the detection share
 constexpr double kSmearM = 0.054, kSmearPower = 1.5;  // of the apparent side of leaves
-constexpr double kOnsetSmoothing = 0.04;              // of the intensity, either way
+constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
-struct Mean {
-  double value = 0, variance = 0;  ///< variance: of what it is off by
-};
+using Bins = std::array<EchoStatistics::Sum, EchoStatistics::kWidthBins>;
 
 double width_of(int bin) { return (bin + 0.5) * EchoStatistics::kWidthStepM; }
 
-/// Mean over the narrowest beams: as many bins as hold `share` of the echoes.
-EchoStatistics::Sum narrowest(const std::array<EchoStatistics::Sum, EchoStatistics::kWidthBins>& bins, double share) {
-  std::int64_t total = 0;
-  for (const auto& bin : bins) total += bin.count;
-  EchoStatistics::Sum sum;
-  for (const auto& bin : bins) {
-    if (static_cast<double>(sum.count) >= share * static_cast<double>(total)) break;
-    sum.add(bin.count, bin.intensity);
-  }
-  return sum;
-}
-
-/// The mean echo at no width, by a straight line through the bins' means weighted with their numbers.
-std::optional<double> drawn_out(const EchoStatistics& statistics) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (int b = 0; b < EchoStatistics::kWidthBins; ++b) {
-    const EchoStatistics::Sum& bin = statistics.all()[static_cast<std::size_t>(b)];
-    const auto count = static_cast<double>(bin.count), sum = static_cast<double>(bin.intensity);
-    n += count, x += count * width_of(b), y += sum;
-    xx += count * width_of(b) * width_of(b), xy += sum * width_of(b);
-  }
-  const double spread = n * xx - x * x;
-  if (!(spread > 0)) return std::nullopt;
-  return (y * xx - x * xy) / spread;
-}
-
-double mean_width(const EchoStatistics& statistics) {
+/// Mean width of the beams of some bins.
+double mean_width(const Bins& bins) {
   double n = 0, sum = 0;
   for (int b = 0; b < EchoStatistics::kWidthBins; ++b) {
-    const auto count = static_cast<double>(statistics.all()[static_cast<std::size_t>(b)].count);
+    const auto count = static_cast<double>(bins[static_cast<std::size_t>(b)].count);
     n += count, sum += count * width_of(b);
   }
   return n > 0 ? sum / n : 0;
 }
 
-/// Intensity at which echoes set in: half of the greatest number per unit.
-double onset_of(const std::vector<std::uint32_t>& histogram) {
-  std::vector<double> below(histogram.size() + 1, 0);  // running sum
-  for (std::size_t i = 0; i < histogram.size(); ++i) below[i + 1] = below[i] + histogram[i];
-  // Number per unit around an intensity. Intensities are whole numbers: windows run from half to half.
-  const auto density = [&](std::size_t i) {
-    const auto reach = static_cast<std::size_t>(kOnsetSmoothing * static_cast<double>(i));
-    const std::size_t low = i - std::min(i, reach), high = std::min(histogram.size(), i + reach + 1);
-    return (below[high] - below[low]) / static_cast<double>(high - low);
-  };
-  double greatest = 0;
-  for (std::size_t i = 1; i < histogram.size(); ++i) greatest = std::max(greatest, density(i));
-  for (std::size_t i = 1; i < histogram.size(); ++i) {
-    if (density(i) < greatest / 2) continue;
-    const double before = density(i - 1), here = density(i);
-    const double into = here > before ? (greatest / 2 - before) / (here - before) : 1;
-    return static_cast<double>(i) - 1 + std::clamp(into, 0.0, 1.0);
+/// The narrowest bins, as many as hold kNearShare of the echoes; the others empty.
+Bins narrowest(const Bins& bins) {
+  std::int64_t total = 0, taken = 0;
+  for (const auto& bin : bins) total += bin.count;
+  Bins out{};
+  for (std::size_t b = 0; b < bins.size(); ++b) {
+    if (static_cast<double>(taken) >= kNearShare * static_cast<double>(total)) break;
+    out[b] = bins[b], taken += bins[b].count;
   }
-  return 0;
+  return out;
 }
 
-std::optional<Mean> full_echo_of(const EchoStatistics& statistics) {
-  std::vector<Mean> found;
-  const double near = narrowest(statistics.all(), kNearShare).mean();
-  if (const auto thin = drawn_out(statistics); thin && *thin > 0) {
-    const double error = std::max(kLeastDrawnOutError * *thin, kDrawnOutError * std::abs(*thin - near));
-    found.push_back({*thin, error * error});
+EchoStatistics::Sum sum_of(const Bins& bins) {
+  EchoStatistics::Sum sum;
+  for (const auto& bin : bins) sum.add(bin.count, bin.intensity);
+  return sum;
+}
+
+/// Intensity that a share of the echoes does not reach.
+double quantile(const std::vector<std::uint32_t>& histogram, double share) {
+  double total = 0, below = 0;
+  for (const std::uint32_t count : histogram) total += count;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    const double count = histogram[i];
+    if (below + count >= share * total && count > 0)
+      return static_cast<double>(i) - 0.5 + (share * total - below) / count;  // whole numbers stand for a unit
+    below += count;
   }
-  if (const auto inner = narrowest(statistics.inner(), kNearShare); inner.count >= kEnoughInner) {
-    const double error = kInnerError * inner.mean();
-    found.push_back({inner.mean(), error * error});
-  }
-  if (found.empty()) return std::nullopt;
-  double weights = 0, sum = 0;
-  for (const Mean& mean : found) weights += 1 / mean.variance, sum += mean.value / mean.variance;
-  return Mean{sum / weights, 1 / weights};
+  return 0;
 }
 
 double variation_of(const std::vector<std::uint32_t>& histogram) {
@@ -104,6 +76,28 @@ double variation_of(const std::vector<std::uint32_t>& histogram) {
   return sum > 0 ? n * squares / (sum * sum) - 1 : 0;
 }
 
+void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel& model) {
+  if (known.leaf_area_m2 >= 0) {
+    model.leaf_area_m2 = known.leaf_area_m2, model.leaf_measured = true;
+    return;
+  }
+  const LeafSize apparent = estimate_leaf_size(statistics.pairs_from(model.full_echo / 2));
+  const double smear = 1 + std::pow(model.mean_width_m / kSmearM, kSmearPower);
+  model.leaf_measured = apparent.measured;
+  model.leaf_area_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
+}
+
+/// From the echoes of leaves, with the model's detection share and leaves.
+void measure_full_echo(const EchoStatistics& statistics, EchoModel& model) {
+  const Bins near = narrowest(statistics.all());
+  const double side_m = std::sqrt(model.leaf_area_m2);
+  const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
+  model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
+  if (sum_of(statistics.inner()).count < kEnoughInner) return;
+  const double inner = sum_of(narrowest(statistics.inner())).mean() / kInnerBias;
+  model.full_echo = (model.full_echo + inner) / 2, model.full_echo_error = kBothError;
+}
+
 }  // namespace
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
@@ -111,23 +105,22 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
-  model.mean_width_m = mean_width(statistics);
-  if (known.full_echo > 0) {
-    model.full_echo = known.full_echo;
-  } else {
-    const auto full = full_echo_of(statistics);
-    if (!full) return std::nullopt;
-    model.full_echo = full->value, model.full_echo_error = std::sqrt(full->variance) / full->value;
+  model.mean_width_m = mean_width(statistics.all());
+  const double weakest = quantile(statistics.histogram(), kWeakestShare);
+  model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(narrowest(statistics.all())).mean();
+  for (int round = 0; round < kRounds; ++round) {
+    model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
+    measure_leaves(statistics, known, model);
+    if (known.full_echo > 0) break;
+    measure_full_echo(statistics, model);
   }
-  model.detection_share = known.beam.detection_share.value_or(onset_of(statistics.histogram()) / model.full_echo);
-  if (known.leaf_area_m2 >= 0) {
-    model.leaf_area_m2 = known.leaf_area_m2, model.leaf_measured = true;
-  } else {
-    const LeafSize apparent = estimate_leaf_size(statistics.pairs_from(model.full_echo / 2));
-    const double smear = 1 + std::pow(model.mean_width_m / kSmearM, kSmearPower);
-    model.leaf_measured = apparent.measured;
-    model.leaf_area_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
-  }
+  const EchoStatistics::Sum& wood = statistics.wood();
+  if (known.full_echo > 0 || wood.count < kEnoughWood || model.full_echo >= kOfCanes * wood.mean() ||
+      quantile(statistics.histogram(), 1 - kStrongestShare) < wood.mean())
+    return model;
+  model.full_echo = wood.mean(), model.full_echo_error = kWoodError, model.of_wood = true;
+  model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
+  measure_leaves(statistics, known, model);
   return model;
 }
 

@@ -12,10 +12,11 @@ struct EchoModel {
   LidarBeam beam;
   double range_resolution_m = 0;
   double full_echo = 0;        ///< mean intensity of an echo of leaves that take the whole beam
+  double full_echo_error = 0;  ///< relative standard error
   double detection_share = 0;  ///< weakest echo, in full ones
   double leaf_area_m2 = 0;     ///< of one leaf
   bool leaf_measured = false;  ///< false: too few pairs of neighbouring beams, the default
-  double full_echo_error = 0;  ///< relative standard error
+  bool of_wood = false;        ///< the full echo is that of posts and trunks: what is seen is thinner than the beam
   double echo_variation = 0;   ///< variance of the echoes' intensities over the square of their mean
   double mean_width_m = 0;     ///< of the beams where they met leaves
 };
@@ -24,18 +25,21 @@ struct EchoModel {
 struct EchoKnowledge {
   LidarBeam beam;
   double range_resolution_m = 0.15;
-  double full_echo = 0;         ///< 0: from the statistics
-  double leaf_area_m2 = -1;     ///< negative: from the statistics
+  double full_echo = 0;      ///< 0: from the statistics
+  double leaf_area_m2 = -1;  ///< negative: from the statistics
 };
 
 /// Nothing where the echoes do not tell: too few, or all of one intensity.
 ///
-/// Full echo: the mean echo drawn out linearly over the beam's width to a width of 0 (a thin ray's echo is a full one
-/// whatever it meets), and the mean of inner echoes (EchoRun) of the narrowest third, weighted by the inverse variance of
-/// what either is known to be off by. Detection share: where echoes set in, at half of the greatest number per unit of
-/// intensity. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large by 1 + (D/54
-/// mm)^1.5, D the mean width; both numbers were fitted to seven simulated scans of one kind of canopy, with leaves of 59
-/// to 126 mm and beams of 15 and 37 mm (docs/beams.md).
+/// Full echo: the mean of two estimates. One is the mean echo of the narrowest third of the beams over the share of the
+/// beam that echoes of random leaves hold (mean_echo_share()); the other, where neighbouring beams follow one another,
+/// the mean inner echo (EchoRun) of the narrowest third over 1.026, since inner echoes are of leaves that face the
+/// lidar. Where both are far below the echoes of posts and trunks that take the whole beam, those of which some leaves'
+/// echoes are as strong, the echoes are of canes, and the full echo is that of the posts. Detection share: the strength
+/// that 5 % of the echoes do not reach. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side
+/// is too large by 1 + (D/54 mm)^1.5, D the mean width.
+/// Fitted, to seven simulated scans of one kind of canopy with leaves of 59 to 126 mm and beams of 15 and 37 mm: 1.026,
+/// the density behind mean_echo_share(), the 5 %, and the two numbers of the leaves' side (docs/beams.md).
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

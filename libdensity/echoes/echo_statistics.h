@@ -30,6 +30,8 @@ class EchoStatistics {
   void add_echo(std::uint16_t intensity, double width_m);
   /// One of those, when the beams beside it ended on the same surface.
   void add_inner_echo(std::uint16_t intensity, double width_m);
+  /// An echo of a beam that falls wholly on a post or trunk, `offset` of its radius beside its axis.
+  void add_wood_echo(std::uint16_t intensity, double offset);
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
   void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
   void merge(const EchoStatistics& other);
@@ -38,6 +40,8 @@ class EchoStatistics {
   /// [bin of width]
   const std::array<Sum, kWidthBins>& all() const { return all_; }
   const std::array<Sum, kWidthBins>& inner() const { return inner_; }
+  /// Echoes of posts and trunks, as strong as one is in the mean over the width of a cylinder.
+  const Sum& wood() const { return wood_; }
   /// [intensity]: number of echoes
   const std::vector<std::uint32_t>& histogram() const { return histogram_; }
   /// Pairs of which only echoes of at least so much count: weaker ones lie at edges, where the middle of the beam goes
@@ -47,6 +51,7 @@ class EchoStatistics {
 
  private:
   std::array<Sum, kWidthBins> all_{}, inner_{};
+  Sum wood_;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
 };

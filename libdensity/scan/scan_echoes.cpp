@@ -44,8 +44,17 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 }
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,     m.detection_share, m.leaf_area_m2, m.leaf_measured ? 1.0 : 0.0, m.full_echo_error,
-          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad};
+  return {m.full_echo,
+          m.full_echo_error,
+          m.detection_share,
+          m.leaf_area_m2,
+          m.leaf_measured ? 1.0 : 0.0,
+          m.of_wood ? 1.0 : 0.0,
+          m.echo_variation,
+          m.mean_width_m,
+          m.range_resolution_m,
+          m.beam.diameter_m,
+          m.beam.divergence_rad};
 }
 
 Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
@@ -54,7 +63,7 @@ Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   if (f.size() != fields_of({}).size()) return damaged(arrays, "the model has another number of values");
   for (const double x : f)
     if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3] != 0, f[4], f[5], f[6]};
+  EchoModel m{{f[9], f[10], {}}, f[8], f[0], f[1], f[2], f[3], f[4] != 0, f[5] != 0, f[6], f[7]};
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }
@@ -147,6 +156,7 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_area_m2);
+  if (model->of_wood) note += " (of posts: what is seen is thinner than the beam)";
   if (!model->leaf_measured) note += " (not measured: neighbouring beams are too far apart)";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }

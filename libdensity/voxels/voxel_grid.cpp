@@ -190,7 +190,7 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
           ray.intensity = segments.intensity[i];
         }
         counted = meet(ray, mask);
-        if (statistics != nullptr) add_echo(ray, counted.hit, neighbours, run);
+        if (statistics != nullptr) add_echo(ray, counted, neighbours, run);
       }
       if (last_was_leaf && !left_out && !counted.on_wood && neighbours) {
         const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
@@ -205,10 +205,15 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   }
 }
 
-void VoxelAccumulator::add_echo(const Ray& ray, bool on_leaf, bool neighbours, EchoRun& run) {
-  if (!on_leaf || !neighbours) run.interrupt();
-  if (!on_leaf) return;
+void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted, bool neighbours, EchoRun& run) {
+  if (!counted.hit || !neighbours) run.interrupt();
   const double range_m = ray.range_m + ray.length, width_m = geometry_->view->beam.diameter_at(range_m);
+  if (counted.wood != nullptr) {
+    const WoodCylinder& wood = *counted.wood;
+    const double beside = distance_from_axis(wood, ray.origin, ray.direction);
+    if (beside + width_m / 2 < wood.radius_m) statistics_->add_wood_echo(ray.intensity, beside / wood.radius_m);
+  }
+  if (!counted.hit) return;
   statistics_->add_echo(ray.intensity, width_m);
   if (run.push({range_m, width_m, ray.intensity}))
     statistics_->add_inner_echo(run.inner_echo().intensity, run.inner_echo().width_m);
@@ -247,9 +252,10 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
       const std::size_t item = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
       if (item >= sums_.size()) {
         Piece gap{};
-        out.on_wood = out.on_wood || (shell_interval(g.wood[item - sums_.size()], g.options.wood_shell_m, ray.origin,
-                                                     ray.direction, gap.from, gap.to) &&
-                                      gap.from <= ray.length && ray.length <= gap.to);
+        const WoodCylinder& wood = g.wood[item - sums_.size()];
+        if (shell_interval(wood, g.options.wood_shell_m, ray.origin, ray.direction, gap.from, gap.to) &&
+            gap.from <= ray.length && ray.length <= gap.to)
+          out.on_wood = true, out.wood = &wood;
         continue;
       }
       const RowSegment& s = sums_[item].row_segment;

@@ -138,6 +138,7 @@ class VoxelAccumulator {
   struct Counted {
     bool hit = false;      ///< in a voxel of this tile
     bool on_wood = false;  ///< the ray ends on masked wood
+    const WoodCylinder* wood = nullptr;  ///< of locate_hit(): which
   };
   /// `mask`: what the ray can meet (VoxelIndex::candidates); cleared.
   Counted count(const Ray& ray, std::vector<std::uint64_t>& mask);
@@ -147,7 +148,7 @@ class VoxelAccumulator {
   /// Returns Counted::hit.
   bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
   /// Into statistics_. `neighbours`: the ray before it is one beam away.
-  void add_echo(const Ray& ray, bool on_leaf, bool neighbours, EchoRun& run);
+  void add_echo(const Ray& ray, const Counted& counted, bool neighbours, EchoRun& run);
   /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_ and
   /// statistics_.
   template <class Meet>

@@ -1,5 +1,6 @@
 #include "libdensity/voxels/wood.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,6 +30,12 @@ std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& gr
   for (const Trunk& trunk : layout.trunks)
     stand(trunk.row, trunk.position, Eigen::Vector2d::Zero(), trunk.radius_m, trunk.top_m, kTrunkBend);
   return wood;
+}
+
+double distance_from_axis(const WoodCylinder& wood, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d across = wood.axis.cross(direction), from_base = origin - wood.base;
+  const double norm = across.norm();
+  return norm > 1e-9 * direction.norm() ? std::abs(from_base.dot(across)) / norm : wood.axis.cross(from_base).norm();
 }
 
 bool shell_interval(const WoodCylinder& wood, double shell_m, const Eigen::Vector3d& origin,

@@ -23,6 +23,9 @@ struct WoodCylinder {
 /// unknown ground.
 std::vector<WoodCylinder> wood_of(const RowLayout& layout, const GroundModel& ground);
 
+/// How far the straight line origin + t·direction passes from the cylinder's axis.
+double distance_from_axis(const WoodCylinder& wood, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction);
+
 /// Where the straight line origin + t·direction runs inside the cylinder widened by `shell_m` and its bend in radius,
 /// and by `shell_m` at its top (downwards it is unbounded, into the ground). False when it misses. t in units of
 /// |direction|.

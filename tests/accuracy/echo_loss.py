@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of libdensity/echoes/echo_loss_table.h: what of the leaves' share of a wide beam comes back as echoes.
+"""The tables of libdensity/echoes/echo_loss_table.h: what of the leaves' share of a wide beam comes back as echoes.
 
     tests/accuracy/echo_loss.py [--beams 100000] [--seed 1] > libdensity/echoes/echo_loss_table.h
 
@@ -10,6 +10,7 @@ their share w of the beam and their mean range. Leaves in front of it that took 
 Counted as the estimator counts: hits w; path up to the echo, and behind it (1 - w) * BEHIND * b. The table holds
 hits / (path * true hits per path of thin rays), by diameter over side, t, and optical path before, over two densities
 and two range resolutions taken together (--spread prints them one by one).
+A second table holds the mean w of the echoes, in canopy as dense as it is around echoes (SHARE_CASE).
 """
 import argparse
 
@@ -21,6 +22,7 @@ DIAMETERS = [0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3]      # over the side of
 SHARES = [0.05, 0.10, 0.15, 0.20, 0.25, 0.30, 0.35, 0.40, 0.45, 0.50]
 DEPTHS = [0, 0.5, 1.0, 1.5, 2.0, 3.0]                      # optical path: edges of the bins
 CASES = [(0.15, 1.5), (0.15, 2.5), (0.35, 1.5), (0.35, 2.5)]  # hits per side of a leaf; range resolution over side
+SHARE_CASE = (0.47, 1.8)  # its density: so that seven simulated scans give the right full echo in the mean (docs/beams.md)
 
 
 def disc():
@@ -74,11 +76,8 @@ def spread_over(edges, start, stop):
     return clipped.sum(axis=0)
 
 
-def returned(rng, beams, diameter, rate, resolution):
-    """Hits and optical path, each (shares, bins)."""
-    edges = np.array(DEPTHS) / rate
-    depth = edges[-1] + 2 * resolution
-    hits, path = np.zeros((len(SHARES), len(DEPTHS) - 1)), np.zeros((len(SHARES), len(DEPTHS) - 1))
+def echoes(rng, beams, diameter, rate, resolution, depth):
+    """For some beams at a time and every share: (index of the share, whether there is an echo, w, its mean range)."""
     for begin in range(0, beams, 400):
         n = min(400, beams - begin)
         z = ends_of(rng, n, diameter, rate, depth)
@@ -91,17 +90,36 @@ def returned(rng, beams, diameter, rate, resolution):
             makes = met & (held + dither >= share * SUB_RAYS)
             first = makes.argmax(axis=1)
             any_echo = makes[np.arange(n), first]
-            w = held[np.arange(n), first] / SUB_RAYS
-            at = np.where(any_echo, mean[np.arange(n), first], depth)
-            path[s] += spread_over(edges, np.zeros(n), at)
-            behind = np.where(any_echo, (1 - w) * BEHIND * resolution, 0)
-            stretch = BEHIND * resolution
-            for b in range(len(edges) - 1):  # evenly over the stretch behind
-                overlap = np.clip(np.minimum(at + stretch, edges[b + 1]) - np.maximum(at, edges[b]), 0, None) / stretch
-                path[s, b] += (behind * overlap).sum()
-            bins = np.searchsorted(edges, at, side="right") - 1
-            ok = any_echo & (bins < len(edges) - 1)
-            np.add.at(hits[s], bins[ok], w[ok])
+            yield s, any_echo, held[np.arange(n), first] / SUB_RAYS, mean[np.arange(n), first]
+
+
+def mean_shares(rng, beams, diameter):
+    """Mean w by share."""
+    rate, resolution = SHARE_CASE
+    sums, counts = np.zeros(len(SHARES)), np.zeros(len(SHARES))
+    for s, any_echo, w, _ in echoes(rng, beams, diameter, rate, resolution, 2.5 / rate + 2 * resolution):
+        sums[s] += w[any_echo].sum()
+        counts[s] += any_echo.sum()
+    return sums / counts
+
+
+def returned(rng, beams, diameter, rate, resolution):
+    """Hits and optical path, each (shares, bins)."""
+    edges = np.array(DEPTHS) / rate
+    depth = edges[-1] + 2 * resolution
+    hits, path = np.zeros((len(SHARES), len(DEPTHS) - 1)), np.zeros((len(SHARES), len(DEPTHS) - 1))
+    for s, any_echo, w, mean in echoes(rng, beams, diameter, rate, resolution, depth):
+        n = len(w)
+        at = np.where(any_echo, mean, depth)
+        path[s] += spread_over(edges, np.zeros(n), at)
+        behind = np.where(any_echo, (1 - w) * BEHIND * resolution, 0)
+        stretch = BEHIND * resolution
+        for b in range(len(edges) - 1):  # evenly over the stretch behind
+            overlap = np.clip(np.minimum(at + stretch, edges[b + 1]) - np.maximum(at, edges[b]), 0, None) / stretch
+            path[s, b] += (behind * overlap).sum()
+        bins = np.searchsorted(edges, at, side="right") - 1
+        ok = any_echo & (bins < len(edges) - 1)
+        np.add.at(hits[s], bins[ok], w[ok])
     return hits, rate * path
 
 
@@ -122,6 +140,7 @@ def main():
                     print(f"diameter {diameter}, (hits per side, resolution) {case}:\n{value[1::2]}")
     if options.spread:
         return
+    shares = [np.ones(len(SHARES))] + [mean_shares(rng, options.beams // 4, diameter) for diameter in DIAMETERS[1:]]
     numbers = lambda xs: ", ".join(f"{float(x)}" for x in xs)
     print(f"#pragma once\n\n#include <array>\n\n// Made by tests/accuracy/echo_loss.py --beams {options.beams}, which says how.\n"
           "namespace rayfield::density::echo_loss_table {\n")
@@ -133,6 +152,10 @@ def main():
     print(f"inline constexpr double kReturned[{len(DIAMETERS)}][{len(SHARES)}][{len(mids)}] = {{")
     for plane in table:
         print("    {" + ",\n     ".join("{" + ", ".join(f"{v:.3f}" for v in row) + "}" for row in plane) + "},")
+    print("};")
+    print("/// [diameter][share]: mean share of the beam in its echo.")
+    print(f"inline constexpr double kMeanShare[{len(DIAMETERS)}][{len(SHARES)}] = {{")
+    print(",\n".join("    {" + ", ".join(f"{v:.3f}" for v in row) + "}" for row in shares) + ",")
     print("};\n\n}  // namespace rayfield::density::echo_loss_table")
 
 
