@@ -10,15 +10,13 @@ namespace rayfield::density {
 namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000;
-constexpr std::int64_t kEnoughInner = 2000, kEnoughWood = 300;
-constexpr double kNearShare = 0.3;          // of the echoes: those of the narrowest beams
-constexpr double kInnerBias = 1.026;        // of inner echoes, over full ones
-constexpr double kMeanError = 0.06;         // relative, of the full echo from the mean echo
-constexpr double kBothError = 0.04;         // from the mean and inner echoes
-constexpr double kWoodError = 0.15;         // from posts and trunks
-constexpr double kOfCanes = 0.7;            // of a post's echo; below that, echoes are of what is thinner than the beam
-constexpr double kStrongestShare = 0.01;    // of the echoes are as strong as a post's, then
-constexpr double kWeakestShare = 0.05;      // of the echoes lie below the detection share
+constexpr std::int64_t kEnoughInner = 2000;
+constexpr std::uint64_t kLeafyRatio = 8;  // echoes, over those of beams that fall wholly on posts and trunks
+constexpr double kNearShare = 0.3;        // of the echoes: those of the narrowest beams
+constexpr double kInnerBias = 1.026;      // of inner echoes, over full ones
+constexpr double kMeanError = 0.06;       // relative, of the full echo from the mean echo
+constexpr double kBothError = 0.04;       // from the mean and inner echoes
+constexpr double kWeakestShare = 0.05;    // of the echoes lie below the detection share
 constexpr double kSmearM = 0.054, kSmearPower = 1.5;  // of the apparent side of leaves
 constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
@@ -101,7 +99,7 @@ void measure_full_echo(const EchoStatistics& statistics, EchoModel& model) {
 }  // namespace
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
-  if (statistics.echoes() < kEnoughEchoes) return std::nullopt;
+  if (statistics.echoes() < std::max(kEnoughEchoes, kLeafyRatio * statistics.wood_echoes())) return std::nullopt;
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
@@ -114,13 +112,6 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
     if (known.full_echo > 0) break;
     measure_full_echo(statistics, model);
   }
-  const EchoStatistics::Sum& wood = statistics.wood();
-  if (known.full_echo > 0 || wood.count < kEnoughWood || model.full_echo >= kOfCanes * wood.mean() ||
-      quantile(statistics.histogram(), 1 - kStrongestShare) < wood.mean())
-    return model;
-  model.full_echo = wood.mean(), model.full_echo_error = kWoodError, model.of_wood = true;
-  model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
-  measure_leaves(statistics, known, model);
   return model;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace rayfield::density {
@@ -31,13 +30,6 @@ void EchoStatistics::add_inner_echo(std::uint16_t intensity, double width_m) {
   inner_[bin_of(width_m)].add(1, intensity);
 }
 
-void EchoStatistics::add_wood_echo(std::uint16_t intensity, double offset) {
-  // A cylinder is the brighter the more its surface faces the beam: √(1 − x²), π/4 in the mean over its width.
-  const double facing = std::sqrt(std::max(0.0, 1 - offset * offset));
-  if (facing < 0.3) return;
-  wood_.add(1, std::llrint(std::numbers::pi / 4 * intensity / facing));
-}
-
 void EchoStatistics::add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit) {
   const int level = level_of(first);
   const int weaker = hit ? std::min(level, level_of(second)) : level;
@@ -49,7 +41,7 @@ void EchoStatistics::merge(const EchoStatistics& other) {
     all_[i].add(other.all_[i].count, other.all_[i].intensity);
     inner_[i].add(other.inner_[i].count, other.inner_[i].intensity);
   }
-  wood_.add(other.wood_.count, other.wood_.intensity);
+  wood_echoes_ += other.wood_echoes_;
   for (std::size_t i = 0; i < histogram_.size(); ++i) histogram_[i] += other.histogram_[i];
   for (std::size_t i = 0; i < pairs_.size(); ++i) pairs_[i] += other.pairs_[i];
 }

@@ -30,8 +30,8 @@ class EchoStatistics {
   void add_echo(std::uint16_t intensity, double width_m);
   /// One of those, when the beams beside it ended on the same surface.
   void add_inner_echo(std::uint16_t intensity, double width_m);
-  /// An echo of a beam that falls wholly on a post or trunk, `offset` of its radius beside its axis.
-  void add_wood_echo(std::uint16_t intensity, double offset);
+  /// An echo of a beam that falls wholly on a known post or trunk.
+  void add_wood_echo() { ++wood_echoes_; }
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
   void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
   void merge(const EchoStatistics& other);
@@ -40,8 +40,7 @@ class EchoStatistics {
   /// [bin of width]
   const std::array<Sum, kWidthBins>& all() const { return all_; }
   const std::array<Sum, kWidthBins>& inner() const { return inner_; }
-  /// Echoes of posts and trunks, as strong as one is in the mean over the width of a cylinder.
-  const Sum& wood() const { return wood_; }
+  std::uint64_t wood_echoes() const { return wood_echoes_; }
   /// [intensity]: number of echoes
   const std::vector<std::uint32_t>& histogram() const { return histogram_; }
   /// Pairs of which only echoes of at least so much count: weaker ones lie at edges, where the middle of the beam goes
@@ -51,7 +50,7 @@ class EchoStatistics {
 
  private:
   std::array<Sum, kWidthBins> all_{}, inner_{};
-  Sum wood_;
+  std::uint64_t wood_echoes_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
 };

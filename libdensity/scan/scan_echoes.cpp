@@ -16,11 +16,11 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "echoes";
-constexpr double kTypicalRangeM = 2;      // from a lane to the row beside it
-constexpr double kThinM = 0.003;          // diameter there
+constexpr double kTypicalRangeM = 2;        // from a lane to the row beside it
+constexpr double kThinM = 0.003;            // diameter there
 constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
-constexpr double kCountedErrorPerM = 8;   // relative error by the diameter there, where echoes are counted as hits
-constexpr double kModelError = 0.06;      // and where they are weighed
+constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
+constexpr double kModelError = 0.06;        // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
@@ -44,17 +44,8 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 }
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,
-          m.full_echo_error,
-          m.detection_share,
-          m.leaf_area_m2,
-          m.leaf_measured ? 1.0 : 0.0,
-          m.of_wood ? 1.0 : 0.0,
-          m.echo_variation,
-          m.mean_width_m,
-          m.range_resolution_m,
-          m.beam.diameter_m,
-          m.beam.divergence_rad};
+  return {m.full_echo,      m.full_echo_error, m.detection_share,    m.leaf_area_m2,    m.leaf_measured ? 1.0 : 0.0,
+          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad};
 }
 
 Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
@@ -63,7 +54,7 @@ Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   if (f.size() != fields_of({}).size()) return damaged(arrays, "the model has another number of values");
   for (const double x : f)
     if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[9], f[10], {}}, f[8], f[0], f[1], f[2], f[3], f[4] != 0, f[5] != 0, f[6], f[7]};
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }
@@ -78,8 +69,8 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
     work.progress.advance(1);
     const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
     if (scene.row_segments.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(work.tile_of(entry), scene.row_segments,
-                                                                     scene.wood, work.voxels, view));
+    RAYFIELD_ASSIGN(VoxelAccumulator empty,
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
     if (empty.empty()) continue;
     RAYFIELD_CHECK(sample_tile(work, entry, std::move(empty), sampled));
   }
@@ -112,10 +103,10 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                     make_row_segmentes(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
-    const auto model = sampled.statistics
-                           ? estimate_echo_model(*sampled.statistics, {view->beam, beam.range_resolution_m,
-                                                                       beam.full_echo, work.options.estimator.leaf_size_m2})
-                           : std::nullopt;
+    const auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,
+                                                                {view->beam, beam.range_resolution_m, beam.full_echo,
+                                                                 work.options.estimator.leaf_size_m2})
+                                          : std::nullopt;
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns["model"] = model ? fields_of(*model) : std::vector<double>{};
     return arrays;
@@ -150,13 +141,13 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   std::string note = fmt::format("the beam of {}'s lidar is {:.0f} mm wide at {:.0f} m, ", scan.scan_id,
                                  1000 * diameter, kTypicalRangeM);
   if (!model)
-    return note + fmt::format("and its echoes do not tell what they hold of it (no intensities, or too few): areas are "
-                              "off by about {:.0f} %, and their intervals say so",
-                              100 * error);
+    return note + fmt::format(
+                      "and its echoes do not tell what they hold of it (no intensities, too few, or mostly of "
+                      "wood): areas are off by about {:.0f} %, and their intervals say so",
+                      100 * error);
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_area_m2);
-  if (model->of_wood) note += " (of posts: what is seen is thinner than the beam)";
   if (!model->leaf_measured) note += " (not measured: neighbouring beams are too far apart)";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }

@@ -1,5 +1,6 @@
 #include "libdensity/voxels/voxel_arrays.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -122,7 +123,8 @@ void push_echoes(const TileVoxels& voxels, tile::ArraySet& out) {
 
 /// Counters of beams that are not thin: there for all voxels or for none.
 Result<void> pull_echoes(const tile::ArraySet& a, std::vector<RowSegmentVoxels>& row_segments) {
-  if (a.columns.find(kEchoColumns.front().first) == a.columns.end()) return {};
+  const auto is_there = [&](const auto& echo_column) { return a.columns.count(echo_column.first) > 0; };
+  if (std::none_of(kEchoColumns.begin(), kEchoColumns.end(), is_there)) return {};
   std::size_t voxels = 0;
   for (RowSegmentVoxels& s : row_segments) {
     s.echoes.resize(s.voxels.size());

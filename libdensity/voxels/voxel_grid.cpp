@@ -209,9 +209,8 @@ void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted, bool nei
   if (!counted.hit || !neighbours) run.interrupt();
   const double range_m = ray.range_m + ray.length, width_m = geometry_->view->beam.diameter_at(range_m);
   if (counted.wood != nullptr) {
-    const WoodCylinder& wood = *counted.wood;
-    const double beside = distance_from_axis(wood, ray.origin, ray.direction);
-    if (beside + width_m / 2 < wood.radius_m) statistics_->add_wood_echo(ray.intensity, beside / wood.radius_m);
+    const double beside = distance_from_axis(*counted.wood, ray.origin, ray.direction);
+    if (beside + width_m / 2 < counted.wood->radius_m) statistics_->add_wood_echo();
   }
   if (!counted.hit) return;
   statistics_->add_echo(ray.intensity, width_m);
@@ -299,7 +298,11 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
   const double doubled_projection = 2 * g.projection(ray.direction.z());
   std::array<RayPiece, kMaxGaps + 1> ray_pieces;
   for (std::size_t k = 0; k < piece_count; ++k)
-    ray_pieces[k] = {pieces[k].from, pieces[k].to, doubled_projection, ray.hit && pieces[k].to == ray.length, k == 0,
+    ray_pieces[k] = {pieces[k].from,
+                     pieces[k].to,
+                     doubled_projection,
+                     ray.hit && pieces[k].to == ray.length,
+                     k == 0,
                      ray.starts && pieces[k].from == 0};
   const std::span<const RayPiece> whole(ray_pieces.data(), piece_count);
   if (g.view) {

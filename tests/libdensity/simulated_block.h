@@ -52,11 +52,8 @@ struct Drive {
   double leaf_area_m2 = 0, wood_area_m2 = 0;  ///< true, of the block
 };
 
-/// Drives are made once and kept for the program.
-inline const Drive& drive_with(double leaf_fraction, std::uint64_t seed) {
-  static std::map<std::pair<double, std::uint64_t>, Drive> drives;
-  const auto [place, is_new] = drives.try_emplace({leaf_fraction, seed});
-  if (!is_new) return place->second;
+/// The block on one date.
+inline sim::Site block_site(double leaf_fraction, std::uint64_t seed) {
   sim::Site site;
   site.name = "block", site.seed = 5;
   site.latitude_deg = -35.2186, site.longitude_deg = 138.5411;
@@ -70,19 +67,33 @@ inline const Drive& drive_with(double leaf_fraction, std::uint64_t seed) {
   date.date = "2019-08-01", date.leaf_fraction = leaf_fraction, date.seed = seed;
   date.stationary_start_s = 1, date.speed_m_s = 1.5;
   site.dates = {date};
+  return site;
+}
+
+/// The only drive of a site.
+inline Drive drive_past(const sim::Site& site) {
+  Drive drive;
   Progress progress;
   const sim::World world = take(sim::build_world(site, 0, 0, progress));
   for (const sim::RowAreas& row : world.areas())
     for (std::size_t i = 0; i < row.panels.leaf_m2.size(); ++i)
-      place->second.leaf_area_m2 += row.panels.leaf_m2[i], place->second.wood_area_m2 += row.panels.wood_m2[i];
+      drive.leaf_area_m2 += row.panels.leaf_m2[i], drive.wood_area_m2 += row.panels.wood_m2[i];
   const auto plan = take(sim::plan_drive(world));
   SensorSink nowhere;
   const auto keep = [&](const RayBatch& rays) -> Result<void> {
     for (std::size_t i = 0; i < rays.size(); ++i)
-      place->second.rays.push(rays.origin[i], rays.end[i], rays.time_s[i], rays.intensity[i], rays.hit[i] != 0);
+      drive.rays.push(rays.origin[i], rays.end[i], rays.time_s[i], rays.intensity[i], rays.hit[i] != 0);
     return {};
   };
   take(sim::simulate(world, plan, nowhere, keep, {}, progress));
+  return drive;
+}
+
+/// Drives are made once and kept for the program.
+inline const Drive& drive_with(double leaf_fraction, std::uint64_t seed) {
+  static std::map<std::pair<double, std::uint64_t>, Drive> drives;
+  const auto [place, is_new] = drives.try_emplace({leaf_fraction, seed});
+  if (is_new) place->second = drive_past(block_site(leaf_fraction, seed));
   return place->second;
 }
 
@@ -105,16 +116,16 @@ class Block {
   }
 
   tile::Store& store() { return *store_; }
-  void add(const std::string& date, const Drive& drive, std::optional<bool> dormant = std::nullopt) {
+  void add(const std::string& date, const Drive& drive, std::optional<bool> dormant = std::nullopt,
+           std::optional<LidarBeam> beam = std::nullopt) {
     tile::AddOptions options;
-    options.date = date, options.dormant = dormant, options.overwrite = true;
+    options.date = date, options.dormant = dormant, options.overwrite = true, options.beam = beam;
     MemorySource memory(drive.rays);
     const auto restored = take(MissingRaySource::create(memory, {}));
     Progress progress;
     take(store_->add(*restored, options, progress));
   }
-  ProcessReport process(const std::vector<std::string>& dates = {}) {
-    ProcessOptions options;
+  ProcessReport process(const std::vector<std::string>& dates = {}, ProcessOptions options = {}) {
     options.dates = dates;
     Progress progress;
     return take(density::process(*store_, options, "test", progress));

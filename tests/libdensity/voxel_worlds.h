@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -74,8 +75,9 @@ inline VoxelOptions count_every_ray() {
 }
 
 inline TileVoxels count_all(const std::vector<RowSegment>& row_segments, const tile::SegmentBatch& rays,
-                            const std::vector<WoodCylinder>& wood = {}) {
-  auto accumulator = VoxelAccumulator::create({kBigTile, kBigTileSize}, row_segments, wood, count_every_ray());
+                            const std::vector<WoodCylinder>& wood = {},
+                            std::shared_ptr<const BeamView> view = nullptr) {
+  auto accumulator = VoxelAccumulator::create({kBigTile, kBigTileSize}, row_segments, wood, count_every_ray(), view);
   if (!accumulator || !accumulator->add(rays)) return {};
   return std::move(*accumulator).finish();
 }

@@ -1,4 +1,4 @@
-#include "libdensity/scan/beam_width.h"
+#include "libdensity/scan/scan_echoes.h"
 
 #include <gtest/gtest.h>
 
@@ -14,24 +14,50 @@ tile::ScanEntry scan_with(double diameter_m, double divergence_rad) {
   return scan;
 }
 
-TEST(BeamWidth, UnknownAndThinBeamsAddNoError) {
+TEST(ScanEchoes, UnknownAndThinBeamsAddNoErrorAndHaveNoView) {
   const IntegrationOptions options;
-  EXPECT_EQ(integration_with_beam(options, tile::ScanEntry{}).shared_error, options.shared_error);
-  EXPECT_EQ(integration_with_beam(options, scan_with(0, 0)).shared_error, options.shared_error);
-  EXPECT_EQ(beam_note(tile::ScanEntry{}), "");
-  EXPECT_EQ(beam_note(scan_with(0, 0)), "");
+  EXPECT_EQ(integration_with_beam(options, tile::ScanEntry{}, {}).shared_error, options.shared_error);
+  EXPECT_EQ(integration_with_beam(options, scan_with(0, 0), {}).shared_error, options.shared_error);
+  EXPECT_EQ(beam_note(tile::ScanEntry{}, {}), "");
+  EXPECT_EQ(beam_note(scan_with(0, 0.001), {}), "");
+  EXPECT_EQ(view_of(tile::ScanEntry{}, {}, {}), nullptr);
+  EXPECT_EQ(view_of(scan_with(0, 0.001), {}, {}), nullptr);
 }
 
-TEST(BeamWidth, WideBeamsAddEightPerMetreOfTheirDiameterAtTwoMetres) {
+TEST(ScanEchoes, TheViewHoldsTheBeamUnlessTheOptionsRefuseIt) {
+  BeamOptions options;
+  options.range_resolution_m = 0.2;
+  const auto view = view_of(scan_with(0.0136, 0.0119), {}, options);
+  ASSERT_NE(view, nullptr);
+  EXPECT_EQ(view->beam.divergence_rad, 0.0119);
+  EXPECT_NEAR(view->behind_m, 0.16, 1e-12);
+  options.enabled = false;
+  EXPECT_EQ(view_of(scan_with(0.0136, 0.0119), {}, options), nullptr);
+}
+
+// Eight per metre of the diameter at two metres.
+TEST(ScanEchoes, WideBeamsWhoseEchoesDoNotTellAreAsWrongAsCountingMakesThem) {
   IntegrationOptions options;
   options.shared_error = 0.03;
-  const IntegrationOptions wide = integration_with_beam(options, scan_with(0.0136, 0.0119));  // 37.4 mm
+  const IntegrationOptions wide = integration_with_beam(options, scan_with(0.0136, 0.0119), {});  // 37.4 mm
   EXPECT_NEAR(wide.shared_error, std::hypot(0.03, 0.2992), 1e-9);
   EXPECT_EQ(wide.height_share, options.height_share);
-  EXPECT_LE(integration_with_beam(options, scan_with(0.2, 0.1)).shared_error, 1);  // what the options allow
-  const std::string note = beam_note(scan_with(0.0136, 0.0119));
+  EXPECT_LE(integration_with_beam(options, scan_with(0.2, 0.1), {}).shared_error, 1);  // what the options allow
+  const std::string note = beam_note(scan_with(0.0136, 0.0119), {});
   EXPECT_NE(note.find("2020-01-20's lidar is 37 mm wide at 2 m"), std::string::npos) << note;
   EXPECT_NE(note.find("30 %"), std::string::npos) << note;
+}
+
+TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
+  EchoModel model;
+  model.full_echo = 100, model.full_echo_error = 0.04, model.detection_share = 0.25, model.leaf_area_m2 = 0.0065;
+  const IntegrationOptions options;
+  const double with_model = integration_with_beam(options, scan_with(0.0136, 0.0119), model).shared_error;
+  EXPECT_GT(with_model, options.shared_error);
+  EXPECT_LT(with_model, 0.15);
+  const std::string note = beam_note(scan_with(0.0136, 0.0119), model);
+  EXPECT_NE(note.find("a full echo is 100 ± 4, the weakest 0.25 of it, leaves 65 cm²"), std::string::npos) << note;
+  EXPECT_NE(note.find("not measured"), std::string::npos) << note;
 }
 
 }  // namespace

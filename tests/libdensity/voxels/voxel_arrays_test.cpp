@@ -7,10 +7,12 @@
 namespace rayfield::density {
 namespace {
 
-TileVoxels some_voxels() {
+/// `wide`: of beams that are not thin.
+TileVoxels some_voxels(bool wide = false) {
+  const auto view = wide ? std::make_shared<const BeamView>(BeamView{{0.01, 0.01, {}}, 0.12, SensorTrack()}) : nullptr;
   // One tile of 25 m, so that some columns belong to others.
   auto accumulator = VoxelAccumulator::create({{10, 20}, 25.0}, std::vector{testing::make_row_segment()}, {},
-                                              testing::count_every_ray());
+                                              testing::count_every_ray(), view);
   if (!accumulator || !accumulator->add(testing::random_rays(testing::make_row_segment(), 2000, 9))) return {};
   return std::move(*accumulator).finish();
 }
@@ -34,8 +36,21 @@ TEST(VoxelArrays, WhatIsStoredComesBack) {
   EXPECT_EQ(arrays_from_voxels(*after).columns, arrays_from_voxels(before).columns);
 }
 
-TEST(VoxelArrays, DamageIsRecognised) {
-  const tile::ArraySet good = arrays_from_voxels(some_voxels());
+TEST(VoxelArrays, EchoCountersComeBack) {
+  const TileVoxels before = some_voxels(true);
+  const auto after = voxels_from_arrays(arrays_from_voxels(before));
+  ASSERT_TRUE(after.has_value()) << after.error().line();
+  EXPECT_EQ(after->row_segments[0].voxels, before.row_segments[0].voxels);
+  ASSERT_FALSE(before.row_segments[0].echoes.empty());
+  EXPECT_EQ(after->row_segments[0].echoes, before.row_segments[0].echoes);
+}
+
+class VoxelArraysDamage : public ::testing::TestWithParam<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(ThinAndWide, VoxelArraysDamage, ::testing::Bool());
+
+TEST_P(VoxelArraysDamage, IsRecognised) {
+  const tile::ArraySet good = arrays_from_voxels(some_voxels(GetParam()));
   const auto expect_damaged = [](const tile::ArraySet& set) {
     const auto result = voxels_from_arrays(set);
     ASSERT_FALSE(result.has_value());

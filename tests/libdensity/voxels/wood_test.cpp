@@ -87,5 +87,11 @@ TEST(Wood, APostLeansAndATrunkStandsUpright) {
   EXPECT_GT(wood[1].bend_m, 0);  // posts are straight, vines are not
 }
 
+TEST(Wood, LinesPassTheAxisAtADistance) {
+  EXPECT_NEAR(distance_from_axis(kPost, {0, 3.03, 11}, {1, 0, 0}), 0.03, 1e-12);
+  EXPECT_NEAR(distance_from_axis(kPost, {0, 3.03, 11}, {2, 0, 1}), 0.03, 1e-12);     // slanting
+  EXPECT_NEAR(distance_from_axis(kPost, {2.04, 3.03, 20}, {0, 0, -1}), 0.05, 1e-9);  // along the axis
+}
+
 }  // namespace
 }  // namespace rayfield::density

@@ -1,0 +1,77 @@
+#include "libdensity/echoes/echo_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "libdensity/echoes/echo_loss.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr double kFull = 3000;
+
+/// Echoes of beams `width_m` wide from leaves that are differently bright, each whole; pairs that tell no size.
+EchoStatistics whole_leaves(double width_m, double share, int count = 20000) {
+  EchoStatistics statistics;
+  std::mt19937_64 rng(4);
+  std::uniform_real_distribution<double> bright(0.7, 1.3);
+  for (int i = 0; i < count; ++i)
+    statistics.add_echo(static_cast<std::uint16_t>(std::lround(kFull * share * bright(rng))), width_m);
+  return statistics;
+}
+
+EchoKnowledge lidar(double width_m) { return {LidarBeam{width_m, 0, {}}, 0.15, 0, 0.0064}; }
+
+TEST(EchoModel, ThinBeamsEchoesAreFull) {
+  const auto model = estimate_echo_model(whole_leaves(0.001, 1), lidar(0.001));
+  ASSERT_TRUE(model.has_value());
+  EXPECT_NEAR(model->full_echo, kFull, 0.03 * kFull);
+  EXPECT_NEAR(model->echo_variation, 0.03, 0.002);  // of 0.7 … 1.3, evenly
+  EXPECT_NEAR(model->mean_width_m, 0.001, 1e-9);
+}
+
+TEST(EchoModel, TheMeanEchoOfWideBeamsIsTheirShareOfAFullOne) {
+  const double share = mean_echo_share(0.025 / 0.08, 0.5);
+  const auto model = estimate_echo_model(whole_leaves(0.025, share), lidar(0.025));
+  ASSERT_TRUE(model.has_value());
+  EXPECT_NEAR(model->full_echo, kFull, 0.03 * kFull);
+}
+
+TEST(EchoModel, InnerEchoesCountAsMuchAsTheMeanEcho) {
+  EchoStatistics statistics = whole_leaves(0.001, 1);
+  const double from_mean = estimate_echo_model(statistics, lidar(0.001))->full_echo;
+  for (int i = 0; i < 3000; ++i) statistics.add_inner_echo(static_cast<std::uint16_t>(1.2 * kFull), 0.001);
+  const auto model = estimate_echo_model(statistics, lidar(0.001));
+  EXPECT_NEAR(model->full_echo, (from_mean + 1.2 * kFull / 1.026) / 2, 0.01 * kFull);
+}
+
+TEST(EchoModel, WhereMostIsWoodLeavesTellNothing) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.8);
+  for (int i = 0; i < 2000; ++i) statistics.add_wood_echo();
+  EXPECT_TRUE(estimate_echo_model(statistics, lidar(0.03)).has_value());
+  for (int i = 0; i < 2000; ++i) statistics.add_wood_echo();
+  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03)).has_value());
+}
+
+TEST(EchoModel, WhatIsKnownIsTaken) {
+  EchoKnowledge known = lidar(0.03);
+  known.full_echo = 2500, known.beam.detection_share = 0.4;
+  const auto model = estimate_echo_model(whole_leaves(0.03, 0.8), known);
+  EXPECT_EQ(model->full_echo, 2500);
+  EXPECT_EQ(model->full_echo_error, 0);
+  EXPECT_EQ(model->detection_share, 0.4);
+  EXPECT_EQ(model->leaf_area_m2, 0.0064);
+}
+
+TEST(EchoModel, TooFewEchoesOrNoIntensitiesTellNothing) {
+  EXPECT_FALSE(estimate_echo_model(whole_leaves(0.03, 1, 1000), lidar(0.03)).has_value());
+  EchoStatistics dark, flat;
+  for (int i = 0; i < 20000; ++i) dark.add_echo(0, 0.03), flat.add_echo(255, 0.03);
+  EXPECT_FALSE(estimate_echo_model(dark, lidar(0.03)).has_value());
+  EXPECT_FALSE(estimate_echo_model(flat, lidar(0.03)).has_value());
+}
+
+}  // namespace
+}  // namespace rayfield::density
