@@ -11,12 +11,13 @@ namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::int64_t kEnoughInner = 2000;
-constexpr std::uint64_t kLeafyRatio = 8;  // echoes, over those of beams that fall wholly on posts and trunks
-constexpr double kNearShare = 0.3;        // of the echoes: those of the narrowest beams
-constexpr double kInnerBias = 1.026;      // of inner echoes, over full ones
-constexpr double kMeanError = 0.06;       // relative, of the full echo from the mean echo
-constexpr double kBothError = 0.04;       // from the mean and inner echoes
-constexpr double kWeakestShare = 0.05;    // of the echoes lie below the detection share
+constexpr double kLeastLeafiness = 6;
+constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
+constexpr double kInnerBias = 1.026;     // of inner echoes, over full ones
+constexpr double kMeanError = 0.06;      // relative, of the full echo from the mean echo
+constexpr double kBothError = 0.04;      // from the mean and inner echoes
+constexpr double kWeakestShare = 0.05;   // of the echoes lie below the detection share
 constexpr double kSmearM = 0.054, kSmearPower = 1.5;  // of the apparent side of leaves
 constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
@@ -85,21 +86,29 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
   model.leaf_area_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
 
+/// Echoes over those of beams that fall wholly on posts and trunks: 1–5 for bare vines, 20–50 at full leaf.
+double leafiness_of(const EchoStatistics& statistics) {
+  return static_cast<double>(statistics.echoes()) /
+         static_cast<double>(std::max<std::uint64_t>(1, statistics.wood_echoes()));
+}
+
 /// From the echoes of leaves, with the model's detection share and leaves.
 void measure_full_echo(const EchoStatistics& statistics, EchoModel& model) {
   const Bins near = narrowest(statistics.all());
   const double side_m = std::sqrt(model.leaf_area_m2);
   const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
   model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
-  if (sum_of(statistics.inner()).count < kEnoughInner) return;
-  const double inner = sum_of(narrowest(statistics.inner())).mean() / kInnerBias;
-  model.full_echo = (model.full_echo + inner) / 2, model.full_echo_error = kBothError;
+  if (sum_of(statistics.inner()).count >= kEnoughInner) {
+    const double inner = sum_of(narrowest(statistics.inner())).mean() / kInnerBias;
+    model.full_echo = (model.full_echo + inner) / 2, model.full_echo_error = kBothError;
+  }
+  model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
 
 }  // namespace
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
-  if (statistics.echoes() < std::max(kEnoughEchoes, kLeafyRatio * statistics.wood_echoes())) return std::nullopt;
+  if (statistics.echoes() < kEnoughEchoes || leafiness_of(statistics) < kLeastLeafiness) return std::nullopt;
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity

@@ -28,16 +28,17 @@ struct EchoKnowledge {
   double leaf_area_m2 = -1;  ///< negative: from the statistics
 };
 
-/// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than eight to one of a
+/// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than six to one of a
 /// beam that falls wholly on a post or trunk): canes are thinner than the beam, and nothing here knows by how much.
 ///
 /// Full echo: the mean of two estimates. One is the mean echo of the narrowest third of the beams over the share of the
 /// beam that echoes of random leaves hold (mean_echo_share()); the other, where neighbouring beams follow one another,
 /// the mean inner echo (EchoRun) of the narrowest third over 1.026, since inner echoes are of leaves that face the
-/// lidar. Detection share: the strength that 5 % of the echoes do not reach. Leaves: estimate_leaf_size() of pairs of
-/// at least half a full echo, whose side is too large by 1 + (D/54 mm)^1.5, D the mean width. Fitted, to seven
-/// simulated scans of one kind of canopy with leaves of 59 to 126 mm and beams of 15 and 37 mm: 1.026, the density
-/// behind mean_echo_share(), the 5 %, and the two numbers of the leaves' side (docs/beams.md).
+/// lidar. Its error grows with the wood among the echoes. Detection share: the strength that 5 % of the echoes do not
+/// reach. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large by 1 + (D/54
+/// mm)^1.5, D the mean width. Fitted, to seven simulated scans of one kind of canopy with leaves of 59 to 126 mm and
+/// beams of 15 and 37 mm: 1.026, the density behind mean_echo_share(), the 5 %, and the two numbers of the leaves' side
+/// (docs/beams.md).
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

@@ -94,7 +94,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
       .add(option_numbers(work.options.plan));
-  key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
+  if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileIndex index : counted.tiles)
     key.add(work.files.sha256("voxels", counted.prefix + tile_name(index)));

@@ -136,7 +136,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
   builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
-  builder.add(model_numbers(voxels.echoes));
+  if (voxels.echoes) builder.add(model_numbers(voxels.echoes));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : voxels.tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileEntry& entry : work.scan.tiles)

@@ -20,7 +20,7 @@ constexpr double kTypicalRangeM = 2;        // from a lane to the row beside it
 constexpr double kThinM = 0.003;            // diameter there
 constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
 constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
-constexpr double kModelError = 0.06;        // and where they are weighed
+constexpr double kModelError = 0.07;        // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 

@@ -74,9 +74,8 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedR
     const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
     work.progress.advance(entry.start_count);
     if (scene.row_segments.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty,
-                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, rays.voxels,
-                                             rays.view));
+    RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(work.tile_of(entry), scene.row_segments,
+                                                                     scene.wood, rays.voxels, rays.view));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
     key.add(option_numbers(rays.voxels)).add(entry.content_sha256());
