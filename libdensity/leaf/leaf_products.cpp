@@ -2,12 +2,16 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/estimate/plan_raster.h"
 #include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
+#include "libdensity/leaf/leaf_pairs.h"
+#include "libdensity/leaf/slab_shadow.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
@@ -16,6 +20,7 @@
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
+#include "libdensity/voxels/voxel_arrays.h"
 #include "rayfield/density/load.h"
 
 namespace rayfield::density {
@@ -35,19 +40,48 @@ struct CountedWood {
   std::optional<EchoModel> echoes;
 };
 
-// One row in both scans; appends to the maps. `panel`: the next of the results' panels.
-Result<void> separate_row(ScanWork& work, const Row& row, std::span<const Panel> panels, double spacing_m,
-                          const IntegrationOptions& integration, RowDensity plant, const RowDensity& wood,
-                          std::size_t& panel, LeafMaps& maps, PlanRaster& raster) {
-  RAYFIELD_ASSIGN(const RowDensity leaf, subtract_wood(std::move(plant), wood));
+// The size of the leaves alone: as given, or where both scans together tell it. Of beams that are not thin the model
+// knows it, for wood and leaves together.
+Result<std::optional<double>> leaf_size_of(ScanWork& work, const ScanVoxels& voxels, const CountedWood& counted) {
+  const EstimatorOptions& options = work.options.estimator;
+  if (options.estimator == Estimator::paper || counted.prefix.empty() || voxels.echoes) return std::optional<double>();
+  if (options.leaf_size_m2 >= 0) return std::optional(options.leaf_size_m2);
+  LeafPairs pairs;
+  for (const tile::TileIndex index : counted.tiles) {
+    if (std::find(voxels.tiles.begin(), voxels.tiles.end(), index) == voxels.tiles.end()) continue;
+    RAYFIELD_ASSIGN(const tile::ArraySet plant_arrays, work.files.read("voxels", tile_name(index)));
+    RAYFIELD_ASSIGN(const tile::ArraySet wood_arrays, work.files.read("voxels", counted.prefix + tile_name(index)));
+    RAYFIELD_ASSIGN(const TileVoxels plant, voxels_from_arrays(plant_arrays));
+    RAYFIELD_ASSIGN(const TileVoxels wood, voxels_from_arrays(wood_arrays));
+    pairs.add(plant, wood);
+  }
+  return pairs.leaf_size_m2();
+}
+
+// Voxels were fitted to what the leafy scan shows, wood with it, and are never smaller or larger than the options say.
+// What densities are multiplied by for them to be those of voxels that fit the leaves (docs/density.md, "Leaf area").
+double scale_to_fitted_voxels(double leaf_size_m2, double voxel_m, const VoxelFitOptions& fit) {
+  if (!fit.enabled) return 1;
+  const double fitted_m = fit.leaf_sides * std::sqrt(leaf_size_m2);
+  return 1 / (1 + slab_shadow(leaf_size_m2, voxel_m) - slab_shadow(leaf_size_m2, fitted_m));
+}
+
+void scale_density(RowDensity& row, double scale) {
+  for (float& density : row.density) density = static_cast<float>(scale * static_cast<double>(density));
+  for (float& variance : row.variance) variance = static_cast<float>(scale * scale * static_cast<double>(variance));
+}
+
+// The leaves of one row; appends to the maps. `panel`: the next of the results' panels.
+void integrate_row(const ScanWork& work, const Row& row, std::span<const Panel> panels, double spacing_m,
+                   const IntegrationOptions& integration, const RowDensity& leaf, const RowDensity& wood,
+                   std::size_t& panel, LeafMaps& maps, PlanRaster& raster) {
   const std::vector<LeafSum> sums = leaf_of_panels(leaf, wood, panels);
   for (std::size_t i = 0; i < sums.size(); ++i)
-    set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m,
-                  integration, work.options.leaf);
+    set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m, integration,
+                  work.options.leaf);
   for (const double area : leaf_of_metres(leaf, row.length_m(), integration.metre_step_m))
     maps.values.metres.push_back(area);
   raster.add(leaf);
-  return {};
 }
 
 // Rows in the order in which the results were made of them.
@@ -62,20 +96,28 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
   work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
+  RAYFIELD_ASSIGN(const std::optional<double> leaf_size_m2, leaf_size_of(work, voxels, counted));
+  double scale = 1;
+  if (leaf_size_m2 && !voxels.row_segments.row_segments.empty())
+    scale =
+        scale_to_fitted_voxels(*leaf_size_m2, voxels.row_segments.row_segments.front().voxel_m, work.options.voxel_fit);
   std::size_t panel = 0;
   for (const Row& row : layout.rows) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     if (!plant.has_row(row.number)) continue;
     EstimatorOptions options = work.options.estimator;
-    RAYFIELD_ASSIGN(RowDensity of_plant, plant.density(row.number, voxels.row_segments, voxels.wood, options,
-                                                           voxels.echoes));
+    if (leaf_size_m2) options.leaf_size_m2 = *leaf_size_m2;
+    RAYFIELD_ASSIGN(RowDensity of_plant,
+                    plant.density(row.number, voxels.row_segments, voxels.wood, options, voxels.echoes));
     options.leaf_size_m2 = of_plant.leaf_size_m2;
-    RAYFIELD_ASSIGN(RowDensity of_wood, wood.density(row.number, voxels.row_segments, voxels.wood, options,
-                                                         counted.echoes));
+    RAYFIELD_ASSIGN(RowDensity of_wood,
+                    wood.density(row.number, voxels.row_segments, voxels.wood, options, counted.echoes));
     // The published method knows nothing of leaves that come whole.
     if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
-    RAYFIELD_CHECK(separate_row(work, row, panels_of(layout, row.number), layout.spacing_m, integration,
-                                std::move(of_plant), of_wood, panel, maps, raster));
+    RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
+    scale_density(leaf, scale);
+    integrate_row(work, row, panels_of(layout, row.number), layout.spacing_m, integration, leaf, of_wood, panel, maps,
+                  raster);
     work.progress.advance(1);
   }
   maps.raster = raster.finish().front();
@@ -92,6 +134,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
   key.add(work.files.sha256("results", "block"));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
+  key.add(option_numbers(work.options.voxel_fit));
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
       .add(option_numbers(work.options.plan));
   if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));

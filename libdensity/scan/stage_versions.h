@@ -17,7 +17,7 @@ inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
 inline constexpr int kResultsVersion = 4;
 inline constexpr int kTotalsVersion = 1;
-inline constexpr int kLeafVersion = 1;
+inline constexpr int kLeafVersion = 2;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,      kGroundVersion, kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,

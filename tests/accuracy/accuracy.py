@@ -148,6 +148,7 @@ def against_truth(out, scan_id, truth, crs):
 
     if any(v.get("wood_scan_id") for v in values):
         figures["leaf"] = leaf_figures(pairs)
+        figures["leaf"]["half_metres"] = half_metre_errors(gpkg, scan_id, read_csv(f"{truth}/metres.csv"), frame)
         figures["leaf"]["wood"] = next(v["wood_scan_id"] for v in values if v.get("wood_scan_id"))
 
     true_rows = read_csv(f"{truth}/rows.csv")
@@ -213,6 +214,22 @@ def leaf_figures(pairs):
             "halves_m2": [v["ci_high_m2"] - v["leaf_area_m2"] for v, _ in known]}
 
 
+def half_metre_errors(gpkg, scan_id, true_metres, frame):
+    """Errors of leaf area per metre, half metre by half metre: rms in m²/m, and over the mean of the true ones."""
+    places = np.array([frame.map(t["e"], t["n"]) for t in true_metres])
+    errors, trues = [], []
+    for metre in rows_of(gpkg, "row_metre"):
+        if metre["scan_id"] != scan_id or metre["leaf_area_per_m"] is None:
+            continue
+        distance = np.linalg.norm(places - np.array(metre["geometry"].GetPoint_2D()), axis=1)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] < 0.15:
+            trues.append(true_metres[nearest]["leaf_area_per_m"])
+            errors.append(metre["leaf_area_per_m"] - trues[-1])
+    rms = float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+    return {"count": len(errors), "rms_m2_per_m": rms, "rrmse": rms / np.mean(trues) if sum(trues) > 0 else float("nan")}
+
+
 def leaf_misses(f, dormant):
     """`dormant`: the scan is its own wood, and its leaf area known."""
     out = ["leaf panels"] if f["unknown"] else []
@@ -227,13 +244,14 @@ def leaf_misses(f, dormant):
 
 
 def print_leaves(everything):
-    print("\n| site | scan | wood of | true leaf area per panel m² | ratio | RRMSE | mean error m² | largest error m² | intervals that hold truth | half interval m² | misses |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    print("\n| site | scan | wood of | true leaf area per panel m² | ratio | RRMSE | half metres | mean error m² | largest error m² | intervals that hold truth | half interval m² | misses |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
     for name, scan, f, missed in everything:
-        ratio, rrmse = "–", "–"
+        ratio, rrmse, metres = "–", "–", f"{f['half_metres']['rms_m2_per_m']:.2f} m²/m"
         if f["true_m2"] > 0:
             ratio, rrmse = f"{1 + f['bias_m2'] / f['true_m2']:.3f}", f"{100 * f['rms_m2'] / f['true_m2']:.1f} %"
-        print(f"| {name} | {scan} | {f['wood']} | {f['true_m2']:.2f} | {ratio} | {rrmse} | {f['bias_m2']:+.3f} | {f['max_m2']:.3f} "
+            metres = f"{100 * f['half_metres']['rrmse']:.0f} %"
+        print(f"| {name} | {scan} | {f['wood']} | {f['true_m2']:.2f} | {ratio} | {rrmse} | {metres} | {f['bias_m2']:+.3f} | {f['max_m2']:.3f} "
               f"| {f['held']}/{f['panels']} | {f['half_interval_m2']:.2f} | {' '.join(missed) or '–'} |")
 
 

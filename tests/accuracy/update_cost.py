@@ -119,7 +119,8 @@ def main():
     wanted = [d for d in dates if not os.path.isdir(f"{blocks.out}/logs/{d}")]
     if wanted:
         subprocess.run([arguments.rayfield, "simulate", f"{blocks.out}/update_cost.toml", "-o", f"{blocks.out}/logs", "-q",
-                        "--no-rays" if arguments.logs else "--no-log", "--date", *wanted], check=True)
+                        "--no-rays" if arguments.logs else "--no-log",
+                        *(word for date in wanted for word in ("--date", date))], check=True)
     blocks.remove("block", "block_maps")
 
     print("| update | date | processor s | elapsed s | peak MB |\n|---|---|---|---|---|")
