@@ -7,7 +7,6 @@
 namespace rayfield::density {
 namespace {
 
-using testing::compare;
 using testing::density_of;
 using testing::Hedge;
 using testing::HedgeOptions;
