@@ -61,8 +61,7 @@ class Donors {
   explicit Donors(const RowDensity& r)
       : layers_(r.n_up), along_(r.n_along), sums_(Shape3{r.n_along + 1, kDepths + 1, r.n_up}) {}
 
-  void set_section(const RowDensity& r, std::span<const VoxelSums> sums, int along,
-                   const std::vector<int>& depth) {
+  void set_section(const RowDensity& r, std::span<const VoxelSums> sums, int along, const std::vector<int>& depth) {
     for (int d = 0; d <= kDepths; ++d)
       for (int u = 0; u < layers_; ++u) at(along + 1, d, u) = at(along, d, u);
     std::size_t i = 0;

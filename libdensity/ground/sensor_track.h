@@ -18,8 +18,8 @@ class SensorTrack {
   explicit SensorTrack(std::vector<PathPoint> points) : points_(std::move(points)) {}
 
   bool empty() const { return points_.empty(); }
-  /// m, map coordinates; (0, 0, 0) of an empty track. `hint`: where an earlier call ended, for times that come nearly in
-  /// order; it changes no result.
+  /// m, map coordinates; (0, 0, 0) of an empty track. `hint`: where an earlier call ended, for times that come nearly
+  /// in order; it changes no result.
   Eigen::Vector3d position(double time_s, std::size_t& hint) const;
 
  private:

@@ -16,8 +16,8 @@ namespace rayfield::density {
 /// The voxels of a scan whose rays have been counted.
 struct ScanVoxels {
   RowSegmentList row_segments;
-  std::vector<WoodCylinder> wood;      ///< masked posts and trunks
-  std::vector<tile::TileIndex> tiles;  ///< with counters
+  std::vector<WoodCylinder> wood;        ///< masked posts and trunks
+  std::vector<tile::TileIndex> tiles;    ///< with counters
   std::optional<EchoModel> echoes = {};  ///< of beams that are not thin; then the counters have EchoCounters
 };
 

@@ -73,11 +73,10 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   scan.voxels.wood = wood_of(layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
   auto view = view_of(work.scan, surveyed.surveys, work.options.beam);
-  RAYFIELD_ASSIGN(scan.voxels.echoes,
-                  measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
+  RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
   if (!scan.voxels.echoes) view = nullptr;
-  RAYFIELD_ASSIGN(const double voxel_m, choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood,
-                                                          scan.voxels.echoes));
+  RAYFIELD_ASSIGN(const double voxel_m,
+                  choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood, scan.voxels.echoes));
   RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(scan.voxels.tiles,
                   count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));

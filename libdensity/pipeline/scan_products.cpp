@@ -33,8 +33,7 @@ struct ScanMaps {
 Result<void> integrate_one(const RowLayout& layout, const Row& row, const RowDensity& density,
                            const IntegrationOptions& options, ScanMaps& maps) {
   const std::vector<Panel> panels = panels_of(layout, row.number);
-  std::vector<PanelValue> values =
-      integrate_panels(density, panels, layout.spacing_m, options);
+  std::vector<PanelValue> values = integrate_panels(density, panels, layout.spacing_m, options);
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i].panel_uid = panels[i].identity.uid;
     maps.results.panel_values.push_back(std::move(values[i]));

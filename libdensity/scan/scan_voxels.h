@@ -24,7 +24,7 @@ TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentL
 struct CountedRays {
   const tile::ScanEntry& scan;
   VoxelOptions voxels;
-  std::string prefix;  ///< of the counters' names: "", or "wood_"
+  std::string prefix;                              ///< of the counters' names: "", or "wood_"
   std::shared_ptr<const BeamView> view = nullptr;  ///< of beams that are not thin
 };
 

@@ -20,8 +20,8 @@ inline constexpr int kTotalsVersion = 1;
 inline constexpr int kLeafVersion = 2;
 
 inline std::vector<double> stage_versions() {
-  return {kSurveyVersion,      kGroundVersion, kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,
-          kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion, kResultsVersion,  kTotalsVersion,   kLeafVersion};
+  return {kSurveyVersion, kGroundVersion,      kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,
+          kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,   kResultsVersion,  kTotalsVersion,  kLeafVersion};
 }
 
 }  // namespace rayfield::density

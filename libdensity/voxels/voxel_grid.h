@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "libdensity/echoes/echo_statistics.h"
+#include "libdensity/echoes/leaf_size.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/leaf_angle.h"
-#include "libdensity/echoes/leaf_size.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"
@@ -136,21 +136,21 @@ class VoxelAccumulator {
     double from, to;
   };
   struct Counted {
-    bool hit = false;      ///< in a voxel of this tile
-    bool on_wood = false;  ///< the ray ends on masked wood
+    bool hit = false;                    ///< in a voxel of this tile
+    bool on_wood = false;                ///< the ray ends on masked wood
     const WoodCylinder* wood = nullptr;  ///< of locate_hit(): which
   };
   /// `mask`: what the ray can meet (VoxelIndex::candidates); cleared.
   Counted count(const Ray& ray, std::vector<std::uint64_t>& mask);
   /// What count() returns, without counting.
   Counted locate_hit(const Ray& ray, std::vector<std::uint64_t>& mask) const;
-  /// As count() of a beam that is not thin: the row segments of candidates_ in the ray's order, and the path behind its echo.
-  /// Returns Counted::hit.
+  /// As count() of a beam that is not thin: the row segments of candidates_ in the ray's order, and the path behind its
+  /// echo. Returns Counted::hit.
   bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
   /// Into statistics_. `neighbours`: the ray before it is one beam away.
   void add_echo(const Ray& ray, const Counted& counted, bool neighbours, EchoRun& run);
-  /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_ and
-  /// statistics_.
+  /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_
+  /// and statistics_.
   template <class Meet>
   void for_rays(const tile::SegmentBatch& segments, Meet meet);
   explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
