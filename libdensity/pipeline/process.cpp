@@ -72,7 +72,9 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
 
   scan.voxels.wood = wood_of(layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
-  auto view = view_of(work.scan, surveyed.surveys, work.options.beam);
+  // The published method counts every echo.
+  const bool counts_echoes = work.options.estimator.estimator == Estimator::paper;
+  auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.surveys, work.options.beam);
   RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
   if (!scan.voxels.echoes) view = nullptr;
   RAYFIELD_ASSIGN(const double voxel_m,
