@@ -2,12 +2,16 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <cmath>
 
 namespace rayfield {
 
 Result<std::string> parse_date(std::string_view text) {
+  RAYFIELD_CHECK(parse_calendar_day(text));
+  return std::string(text);
+}
+
+Result<std::chrono::year_month_day> parse_calendar_day(std::string_view text) {
   const auto bad = [&text](std::string_view why) {
     return fail(ErrorCode::usage, "bad date", text, why, "give a date as YYYY-MM-DD, e.g. 2019-02-11");
   };
@@ -23,7 +27,7 @@ Result<std::string> parse_date(std::string_view text) {
   const std::chrono::year_month_day day{std::chrono::year{part[0]}, std::chrono::month{static_cast<unsigned>(part[1])},
                                         std::chrono::day{static_cast<unsigned>(part[2])}};
   if (!day.ok()) return bad("no such day in the calendar");
-  return std::string(text);
+  return day;
 }
 
 std::string utc_text(double unix_time_s) {

@@ -46,13 +46,13 @@ Result<void> create_view(const OpenGeoPackage& package, const std::string& time)
 }
 
 std::vector<Style> styles(const BlockProducts& block) {
-  constexpr Rgba row_green{60, 110, 60, 255}, panel_grey{90, 90, 90, 255}, post_brown{120, 80, 50, 255};
+  constexpr Rgba kRowGreen{60, 110, 60, 255}, kPanelGrey{90, 90, 90, 255}, kPostBrown{120, 80, 50, 255};
   const ColorScale scale = product_scale("leaf_area_per_m", 0, 0);
   const std::string label = "leaf area per metre of row, m²/m";
   std::vector<Style> all = {
-      {"vine_row", "rows", qml::line_style(row_green, 0.4, "\"row_number\"")},
-      {"panel", "outlines", qml::outline_style(panel_grey, "concat(\"row_number\", '/', \"panel_number\")")},
-      {"post", "posts", qml::point_style(post_brown, 1.2)},
+      {"vine_row", "rows", qml::line_style(kRowGreen, 0.4, "\"row_number\"")},
+      {"panel", "outlines", qml::outline_style(kPanelGrey, "concat(\"row_number\", '/', \"panel_number\")")},
+      {"post", "posts", qml::point_style(kPostBrown, 1.2)},
       {"row_metre", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, true, "scan_date"})},
       {"panel_by_date", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, false, "scan_date"})}};
   if (!block.scans.empty()) {
@@ -85,7 +85,7 @@ Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockP
     OGRLayer* rows = dataset->ExecuteSQL(sql.c_str(), nullptr, nullptr);
     if (rows == nullptr) return std::string();
     OGRFeature* row = rows->GetNextFeature();
-    const std::string text = row == nullptr ? "" : row->GetFieldAsString(0);
+    std::string text = row == nullptr ? "" : row->GetFieldAsString(0);
     OGRFeature::DestroyFeature(row);
     dataset->ReleaseResultSet(rows);
     return text;

@@ -1,9 +1,9 @@
 #include "formats/geopackage/gpkg_row.h"
 
 #include <cmath>
-#include <cstdlib>
 
 #include "formats/io/text_escape.h"
+#include "rayfield/core/date.h"
 
 namespace rayfield::formats::gpkg {
 
@@ -36,12 +36,12 @@ Row& Row::real(double value) {
 }
 
 Row& Row::date(const std::string& date) {
-  if (date.empty()) {
+  if (const auto day = parse_calendar_day(date)) {
+    feature_->SetField(column_++, static_cast<int>(day->year()), static_cast<int>(static_cast<unsigned>(day->month())),
+                       static_cast<int>(static_cast<unsigned>(day->day())));
+  } else {
     feature_->SetFieldNull(column_++);
-    return *this;
   }
-  feature_->SetField(column_++, std::atoi(date.substr(0, 4).c_str()), std::atoi(date.substr(5, 2).c_str()),
-                     std::atoi(date.substr(8, 2).c_str()));
   return *this;
 }
 

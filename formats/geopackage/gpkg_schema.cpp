@@ -7,16 +7,16 @@
 namespace rayfield::formats::gpkg {
 namespace {
 
-const Column panel_uid{"panel_uid", OFTString, "UUID of the panel, the same on all dates"};
-const Column row_number{"row_number", OFTInteger, "number of the row in the block, from 1"};
-const Column panel_number{"panel_number", OFTInteger, "number of the panel along its row, from 1"};
-const Column panel_length{"length_m", OFTReal, "length of the panel along the row, m"};
-const Column row_name{"row_name", OFTString, "the farm's name for the row; empty if it has none"};
-const Column valid_from{"valid_from", OFTDate, "known to stand from this date on; NULL: always"};
-const Column valid_to{"valid_to", OFTDate, "gone from this date on; NULL: still there"};
-const Column source{"source", OFTString, "surveyed, or the scan that it was found in"};
-const Column scan_id{"scan_id", OFTString, "identifier of the scan, see table scan"};
-const Column scan_date{"scan_date", OFTDate, "local date of the scan"};
+const Column kPanelUid{"panel_uid", OFTString, "UUID of the panel, the same on all dates"};
+const Column kRowNumber{"row_number", OFTInteger, "number of the row in the block, from 1"};
+const Column kPanelNumber{"panel_number", OFTInteger, "number of the panel along its row, from 1"};
+const Column kPanelLength{"length_m", OFTReal, "length of the panel along the row, m"};
+const Column kRowName{"row_name", OFTString, "the farm's name for the row; empty if it has none"};
+const Column kValidFrom{"valid_from", OFTDate, "known to stand from this date on; NULL: always"};
+const Column kValidTo{"valid_to", OFTDate, "gone from this date on; NULL: still there"};
+const Column kSource{"source", OFTString, "surveyed, or the scan that it was found in"};
+const Column kScanId{"scan_id", OFTString, "identifier of the scan, see table scan"};
+const Column kScanDate{"scan_date", OFTDate, "local date of the scan"};
 
 void add_measured_columns(Table& table) {
   for (const MeasuredColumn& column : kMeasuredColumns)
@@ -32,29 +32,29 @@ Table vine_row_table() {
           "Centrelines of the rows of vines",
           wkbLineString,
           {{"row_uid", OFTString, "UUID of the row, the same on all dates"},
-           row_number,
+           kRowNumber,
            {"length_m", OFTReal, "length of the row, m"},
            {"spacing_m", OFTReal, "mean distance to the neighbouring rows, m; NULL for a single row"},
-           row_name,
-           valid_from,
-           valid_to,
-           source}};
+           kRowName,
+           kValidFrom,
+           kValidTo,
+           kSource}};
 }
 
 Table panel_table() {
   return {"panel",
           "Panels: spans of a row between two posts",
           wkbPolygon,
-          {panel_uid,
-           row_number,
-           panel_number,
-           panel_length,
+          {kPanelUid,
+           kRowNumber,
+           kPanelNumber,
+           kPanelLength,
            {"chainage_start_m", OFTReal, "start of the panel along the row's centreline, m"},
            {"chainage_end_m", OFTReal, "end of the panel along the row's centreline, m"},
-           row_name,
-           valid_from,
-           valid_to,
-           source}};
+           kRowName,
+           kValidFrom,
+           kValidTo,
+           kSource}};
 }
 
 Table post_table() {
@@ -62,15 +62,15 @@ Table post_table() {
           "Trellis posts",
           wkbPoint,
           {{"post_uid", OFTString, "UUID of the post, the same on all dates"},
-           row_number,
+           kRowNumber,
            {"chainage_m", OFTReal, "position along the row's centreline, m"},
            {"ground_m", OFTReal, "height of the ground at the post, m"},
            {"height_m", OFTReal, "height of the post above the ground, m"},
            {"detected", OFTInteger, "1: seen in a scan, 0: placed where the regular spacing or the survey wants one"},
-           row_name,
-           valid_from,
-           valid_to,
-           source}};
+           kRowName,
+           kValidFrom,
+           kValidTo,
+           kSource}};
 }
 
 Table block_table() {
@@ -87,7 +87,7 @@ Table scan_table() {
           "Scans (dates) of the block",
           wkbNone,
           {{"scan_id", OFTString, "identifier of the scan"},
-           scan_date,
+           kScanDate,
            {"name", OFTString, "name given by the user"},
            {"start_utc", OFTDateTime, "time of the first ray, UTC"},
            {"end_utc", OFTDateTime, "time of the last ray, UTC"},
@@ -104,7 +104,7 @@ Table scan_table() {
 }
 
 Table panel_value_table() {
-  Table table{"panel_value", "Canopy of each panel on each date", wkbNone, {panel_uid, scan_id, scan_date}};
+  Table table{"panel_value", "Canopy of each panel on each date", wkbNone, {kPanelUid, kScanId, kScanDate}};
   add_measured_columns(table);
   return table;
 }
@@ -113,10 +113,10 @@ Table row_metre_table() {
   return {"row_metre",
           "Canopy of each half metre of row on each date",
           wkbPoint,
-          {row_number,
+          {kRowNumber,
            {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
-           scan_id,
-           scan_date,
+           kScanId,
+           kScanDate,
            {"leaf_area_per_m", OFTReal, kLeafAreaPerMDescription},
            {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
 }
@@ -125,7 +125,7 @@ Table panel_wide_table(const BlockProducts& block) {
   Table table{"panel_wide",
               "Leaf area per metre of row of each panel, one column per date",
               wkbPolygon,
-              {panel_uid, row_number, panel_number, panel_length}};
+              {kPanelUid, kRowNumber, kPanelNumber, kPanelLength}};
   for (std::size_t i = 0; i < block.scans.size(); ++i) {
     table.columns.push_back({wide_column(block, i), OFTReal,
                              "one-sided leaf area per metre of row on " + block.scans[i].scan.scan_date + ", m²/m"});
@@ -137,7 +137,7 @@ Table panel_by_date_view() {
   Table view{"panel_by_date",
              "Panels with their canopy on each date",
              wkbPolygon,
-             {panel_uid, row_number, panel_number, panel_length, scan_id, scan_date}};
+             {kPanelUid, kRowNumber, kPanelNumber, kPanelLength, kScanId, kScanDate}};
   add_measured_columns(view);
   return view;
 }

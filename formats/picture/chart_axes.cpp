@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 
 #include "formats/picture/color.h"
 #include "formats/picture/picture_elements.h"
@@ -60,10 +59,7 @@ void draw_chart_frame(Canvas& canvas, const ChartFrame& frame, const ChartLabels
 }
 
 Result<double> day_of(const std::string& date) {
-  RAYFIELD_ASSIGN(const std::string good, parse_date(date));
-  const std::chrono::year_month_day day{std::chrono::year(std::atoi(good.substr(0, 4).c_str())),
-                                        std::chrono::month(static_cast<unsigned>(std::atoi(good.substr(5, 2).c_str()))),
-                                        std::chrono::day(static_cast<unsigned>(std::atoi(good.substr(8, 2).c_str())))};
+  RAYFIELD_ASSIGN(const std::chrono::year_month_day day, parse_calendar_day(date));
   return static_cast<double>(std::chrono::sys_days(day).time_since_epoch().count());
 }
 

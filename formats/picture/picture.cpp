@@ -46,21 +46,21 @@ Result<void> PictureOptions::validate() const {
 }
 
 PlanOverlay block_overlay(const BlockProducts& block) {
-  constexpr Rgba outline{60, 60, 60, 190}, post{120, 72, 40, 255}, guessed{255, 255, 255, 255};
+  constexpr Rgba kOutline{60, 60, 60, 190}, kPost{120, 72, 40, 255}, kGuessed{255, 255, 255, 255};
   PlanOverlay overlay;
   for (const PanelProduct& panel : block.panels) {
-    if (panel.outline.size() >= 3) overlay.lines.push_back({panel.outline, {outline, 1.3, 0}, true});
+    if (panel.outline.size() >= 3) overlay.lines.push_back({panel.outline, {kOutline, 1.3, 0}, true});
   }
   bool some_detected = false, some_guessed = false;
   for (const PostProduct& p : block.posts) {
-    overlay.markers.push_back({p.position, post, 3});
-    if (!p.detected) overlay.markers.push_back({p.position, guessed, 1.8});
+    overlay.markers.push_back({p.position, kPost, 3});
+    if (!p.detected) overlay.markers.push_back({p.position, kGuessed, 1.8});
     some_detected = some_detected || p.detected;
     some_guessed = some_guessed || !p.detected;
   }
   add_row_numbers(block, overlay);
-  if (!block.panels.empty()) overlay.keys.push_back({{outline, 1.6, 0}, "panel", {}});
-  const PlanMarker seen{{0, 0}, post, 3}, hole{{0, 0}, guessed, 1.8};
+  if (!block.panels.empty()) overlay.keys.push_back({{kOutline, 1.6, 0}, "panel", {}});
+  const PlanMarker seen{{0, 0}, kPost, 3}, hole{{0, 0}, kGuessed, 1.8};
   if (some_detected) overlay.keys.push_back({{}, "post", {seen}});
   if (some_guessed) overlay.keys.push_back({{}, "post, supposed", {seen, hole}});
   return overlay;

@@ -32,6 +32,7 @@ std::optional<GpsFix> decode_nav_sat_fix(std::span<const std::byte> message) {
   ByteCursor cursor(message);
   GpsFix fix;
   fix.time_s = seconds_from_ns(take_ros_header(cursor).stamp_ns);
+  // A number and no character: −1 is "no fix". NOLINTNEXTLINE(bugprone-signed-char-misuse)
   fix.status = cursor.get<std::int8_t>();
   cursor.skip(sizeof(std::uint16_t));  // service
   fix.latitude_deg = cursor.get<double>();

@@ -270,7 +270,7 @@ Result<void> BagReader::Impl::open_chunk(std::uint64_t start, const BagRecord& r
     return skip_chunk(start, record, "a chunk of " + std::to_string(size) + " bytes is over the limit");
   }
   RAYFIELD_ASSIGN(const std::span<const std::byte> data, window.view(record.data_offset, record.data_bytes));
-  const Result<void> decompressed = decompress_bag_chunk(compression, data, static_cast<std::size_t>(size), chunk);
+  Result<void> decompressed = decompress_bag_chunk(compression, data, static_cast<std::size_t>(size), chunk);
   if (!decompressed) {
     if (decompressed.error().code == ErrorCode::resources) return decompressed;
     return skip_chunk(start, record, decompressed.error().why);

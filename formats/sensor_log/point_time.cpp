@@ -38,7 +38,8 @@ Result<PointTime> PointTime::find(const PointCloud2View& cloud, std::int64_t sta
   }
   // The size of the first usable value tells seconds of a sweep from seconds, microseconds or nanoseconds since 1970.
   // Whole seconds are subtracted first, which is exact, so that the small difference keeps its digits.
-  const double whole_s = static_cast<double>(stamp_ns / 1'000'000'000);
+  const std::int64_t whole_seconds = stamp_ns / 1'000'000'000;
+  const auto whole_s = static_cast<double>(whole_seconds);
   const auto since_1970 = [&](double per_second) {
     time.base_ = whole_s * per_second, time.factor_ = 1 / per_second;
     time.rest_s_ = static_cast<double>(stamp_ns % 1'000'000'000) * 1e-9;

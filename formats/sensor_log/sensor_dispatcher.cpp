@@ -81,7 +81,7 @@ Result<DecodeState> SensorDispatcher::decode(SensorKind kind, const BufferedMess
       break;
   }
   const bool flat = topic(SensorKind::lidar).type == laser_scan_definition().type;
-  const auto state =
+  auto state =
       flat ? lidar_.laser_scan(message.data, message.stamp_ns) : lidar_.point_cloud2(message.data, message.stamp_ns);
   if (state && *state == DecodeState::usable) sink_.lidar(lidar_.scan());
   return state;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "rayfield/core/date.h"
 #include "rayfield/core/map_frame.h"
 
 namespace rayfield::density {
@@ -15,11 +16,8 @@ constexpr double kTropics_deg = 20;     // nearer to the equator vines may bear 
 constexpr double kFullLeafShare = 0.5;  // of the plant area at full leaf that wood has at most
 constexpr double kGrowingShare = 0.95;  // of the plant area while leaves grow or fall
 
-std::chrono::year_month_day calendar_day(const std::string& date) {
-  return {std::chrono::year{std::atoi(date.substr(0, 4).c_str())},
-          std::chrono::month{static_cast<unsigned>(std::atoi(date.substr(5, 2).c_str()))},
-          std::chrono::day{static_cast<unsigned>(std::atoi(date.substr(8, 2).c_str()))}};
-}
+// Of a scan of the store, whose dates are checked when it is added.
+std::chrono::year_month_day calendar_day(const std::string& date) { return parse_calendar_day(date).value(); }
 
 long days_between(const std::string& a, const std::string& b) {
   return (std::chrono::sys_days(calendar_day(b)) - std::chrono::sys_days(calendar_day(a))).count();

@@ -63,7 +63,7 @@ RowLayout unknown_rows(const RowLayout& found, const RowLayout& known) {
 }
 
 // Posts, trunks and panels of new rows; those with too few stems are left out: a strip of weeds has canopy, too.
-Result<RowLayout> with_posts(ScanWork& work, const SurveyedScan& surveyed, RowLayout rows) {
+Result<RowLayout> with_posts(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& rows) {
   work.progress.stage(fmt::format("{}: posts of new rows", work.scan.scan_id), work.scan.ray_count, "rays");
   RAYFIELD_ASSIGN(std::vector<Stem> stems, stems_along(work, surveyed.ground, rows));
   RowLayout kept;
@@ -109,9 +109,9 @@ Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const Ro
     const auto [left, right] = driven_shares(row.centreline, passes, work.options.rows);
     evidence.rows.push_back({row.number, seen, std::max(left, right)});
   }
-  RowLayout rows = unknown_rows(findings.layout, known);
+  const RowLayout rows = unknown_rows(findings.layout, known);
   if (!rows.rows.empty()) {
-    RAYFIELD_ASSIGN(evidence.new_rows, with_posts(work, surveyed, std::move(rows)));
+    RAYFIELD_ASSIGN(evidence.new_rows, with_posts(work, surveyed, rows));
   }
   return evidence;
 }

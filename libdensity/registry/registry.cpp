@@ -92,8 +92,8 @@ std::optional<int> whole_number(const std::string& text) {
 Result<void> rename_rows(const std::map<int, std::string>& renamed, RowLayout layout, StoredNames& names) {
   const RowLayout before = layout;
   for (const auto& [shown, text] : renamed) {
-    const auto row = std::find_if(before.rows.begin(), before.rows.end(), [&](const Row& r) {
-      return r.shown_number() == shown && r.identity.valid_to.empty();
+    const auto row = std::find_if(before.rows.begin(), before.rows.end(), [&, wanted = shown](const Row& r) {
+      return r.shown_number() == wanted && r.identity.valid_to.empty();
     });
     if (row == before.rows.end())
       return fail(ErrorCode::usage, kRename, fmt::format("row {}", shown), "the block has no such row",

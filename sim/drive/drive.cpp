@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rayfield/core/date.h"
 #include "sim/drive/path.h"
 #include "sim/drive/true_trajectory.h"
 #include "sim/site/random.h"
@@ -28,12 +29,9 @@ constexpr double kRollPerAcceleration = 0.02;    // rad per m/s²: leans out of 
 constexpr double kEndPause = 2.0;                // s standing at the end
 constexpr double kLongestDrive = 86400;          // s
 
+// `date`: of a site that has been validated.
 double unix_midnight(const std::string& date) {
-  const int year = std::stoi(date.substr(0, 4));
-  const auto month = static_cast<unsigned>(std::stoi(date.substr(5, 2)));
-  const auto day = static_cast<unsigned>(std::stoi(date.substr(8, 2)));
-  const std::chrono::sys_days days =
-      std::chrono::year_month_day(std::chrono::year(year), std::chrono::month(month), std::chrono::day(day));
+  const std::chrono::sys_days days = parse_calendar_day(date).value();
   return static_cast<double>(std::chrono::duration_cast<std::chrono::seconds>(days.time_since_epoch()).count());
 }
 

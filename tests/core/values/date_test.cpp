@@ -19,6 +19,13 @@ TEST(ParseDate, RefusesWhatIsNoDateAsWrongUsage) {
   }
 }
 
+TEST(ParseCalendarDay, GivesYearMonthAndDayOfWhatIsADate) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(parse_calendar_day("2019-02-11").value(), 2019y / 2 / 11);
+  EXPECT_EQ(parse_calendar_day("2020-02-29").value(), 2020y / 2 / 29);
+  EXPECT_EQ(parse_calendar_day("2019-02-29").error().code, ErrorCode::usage);
+}
+
 TEST(UtcText, WritesIso8601) {
   EXPECT_EQ(utc_text(0), "1970-01-01T00:00:00.000Z");
   EXPECT_EQ(utc_text(1549843200.0), "2019-02-11T00:00:00.000Z");
