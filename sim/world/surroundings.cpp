@@ -88,7 +88,7 @@ void add_fence(const Ground& ground, TriangleMesh& mesh) {
       Eigen::Vector2d(-half.x(), -half.y()), Eigen::Vector2d(half.x(), -half.y()), Eigen::Vector2d(half.x(), half.y()),
       Eigen::Vector2d(-half.x(), half.y())};
   for (std::size_t side = 0; side < 4; ++side) {
-    const Eigen::Vector2d from = corners[side], to = corners[(side + 1) % 4];
+    const Eigen::Vector2d &from = corners[side], &to = corners[(side + 1) % 4];
     const int spans = std::max(1, static_cast<int>(std::lround((to - from).norm() / kPostDistance)));
     for (int i = 0; i < spans; ++i) {
       const Eigen::Vector2d a = ground.block.enu_from_block(from + (to - from) * (static_cast<double>(i) / spans));
