@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -51,16 +52,48 @@ std::optional<std::size_t> find_near(const std::vector<PlacedStem>& stems, doubl
   return best;
 }
 
-// How many sure posts stand at multiples of the spacing from the one that explains most.
-std::size_t most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                            double spacing_m) {
-  std::size_t most = 0;
-  for (std::size_t a : sure)
-    most = std::max(most, static_cast<std::size_t>(std::count_if(sure.begin(), sure.end(), [&](std::size_t i) {
-                      const double along = (stems[i].chainage_m - stems[a].chainage_m) / spacing_m;
-                      return std::abs(along - std::round(along)) <= kTolerance;
-                    })));
+bool on_lattice(const PlacedStem& stem, const PlacedStem& anchor, double spacing_m) {
+  const double along = (stem.chainage_m - anchor.chainage_m) / spacing_m;
+  return std::abs(along - std::round(along)) <= kTolerance;
+}
+
+// The sure posts that stand at multiples of the spacing from the one that explains most, itself with them.
+std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+                                         double spacing_m) {
+  std::vector<std::size_t> most;
+  for (std::size_t a : sure) {
+    std::vector<std::size_t> on;
+    std::copy_if(sure.begin(), sure.end(), std::back_inserter(on),
+                 [&](std::size_t i) { return on_lattice(stems[i], stems[a], spacing_m); });
+    if (on.size() > most.size()) most = std::move(on);
+  }
   return most;
+}
+
+// Whether the sure posts that only the narrower spacing explains are lower than those of the wider one: vines as tall
+// as a post has to be.
+bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
+                     const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
+  constexpr double kLower = 0.93;
+  std::vector<double> added, own;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
+    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
+      (std::binary_search(wide.begin(), wide.end(), i) ? own : added).push_back(stems[r][i].stem.top_m);
+  }
+  return !added.empty() && !own.empty() && median_of(added) < kLower * median_of(own);
+}
+
+// How many places a spacing has in the rows, from the first sure post of each to the last.
+std::size_t places_of(const std::vector<std::vector<PlacedStem>>& stems,
+                      const std::vector<std::vector<std::size_t>>& sure, double spacing_m) {
+  std::size_t places = 0;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    if (sure[r].empty()) continue;
+    const double length_m = stems[r][sure[r].back()].chainage_m - stems[r][sure[r].front()].chainage_m;
+    places += 1 + static_cast<std::size_t>(std::lround(length_m / spacing_m));
+  }
+  return places;
 }
 
 // The sure post from which the spacing explains most of the others; nothing if that is less than half of them in a
@@ -152,7 +185,7 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
   const auto explained = [&](double spacing) {
     std::size_t sum = 0;
     for (std::size_t r = 0; r < stems.size(); ++r)
-      if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing) - 1;
+      if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing).size() - 1;
     return sum;
   };
   struct Candidate {
@@ -173,22 +206,35 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
     most = std::max(most, candidates.back().explained);
   }
   if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
-  // A half or a third of the spacing explains as much, and a little more by chance: of the multiples of the one that
-  // explains most, the widest that does nearly as well. No other spacing may take its place.
+  // A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
+  // multiples of the one that explains most, the widest that does nearly as well, or whose places are taken for the
+  // most part, and twice as often as those that the narrower one adds, which are lower. No other spacing may take its
+  // place.
   const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
   double best = 0;
   for (const Candidate& c : candidates)
     if (c.explained == most) best = c.spacing_m;
-  double widest = best;
+  const auto rows = static_cast<std::size_t>(
+      std::count_if(sure.begin(), sure.end(), [](const std::vector<std::size_t>& row) { return !row.empty(); }));
+  const auto is_multiple = [](double spacing, double of) {
+    const double times = spacing / of;
+    return times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
+  };
+  Candidate widest{best, most};
   for (const Candidate& c : candidates) {
-    const double times = c.spacing_m / best;
-    const bool multiple = times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
-    if (multiple && c.explained >= enough) widest = std::max(widest, c.spacing_m);
+    const std::size_t places = places_of(stems, sure, widest.spacing_m);
+    const std::size_t own = std::min(places, places_of(stems, sure, c.spacing_m)), taken = c.explained + rows;
+    const std::size_t others_taken = widest.explained - std::min(widest.explained, c.explained);
+    const bool adds_little = 3 * taken > 2 * own && 2 * others_taken * own < taken * (places - own);
+    if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
+        (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
+         added_are_lower(stems, sure, widest.spacing_m, c.spacing_m)))
+      widest = c;
   }
   std::vector<double> spacings;
   for (double gap : gaps) {
-    const double spacing = gap / std::max(1.0, std::round(gap / widest));
-    if (std::abs(spacing - widest) <= kTolerance * widest) spacings.push_back(spacing);
+    const double spacing = gap / std::max(1.0, std::round(gap / widest.spacing_m));
+    if (std::abs(spacing - widest.spacing_m) <= kTolerance * widest.spacing_m) spacings.push_back(spacing);
   }
   const double spacing = median_of(spacings);
   const std::size_t agree = explained(spacing);

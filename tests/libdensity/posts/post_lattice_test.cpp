@@ -1,0 +1,76 @@
+#include "libdensity/posts/post_lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace rayfield::density {
+namespace {
+
+/// Sure posts of rows at some chainages, some of them `low`.
+struct Rows {
+  std::vector<std::vector<PlacedStem>> stems;
+  std::vector<std::vector<std::size_t>> sure;
+
+  void add(const std::vector<double>& chainages_m, const std::vector<double>& low_m = {}) {
+    std::vector<std::size_t> all;
+    std::vector<PlacedStem> row;
+    for (const double chainage_m : chainages_m) {
+      all.push_back(row.size());
+      row.push_back({{}, chainage_m, 0});
+      const bool low = std::find(low_m.begin(), low_m.end(), chainage_m) != low_m.end();
+      row.back().stem.top_m = low ? 1.55 : 1.8;
+    }
+    stems.push_back(row), sure.push_back(all);
+  }
+  UsualSpacing spacing() const { return usual_spacing(stems, sure, 2.5, 15); }
+};
+
+TEST(PostLattice, PostsTellTheirSpacing) {
+  Rows rows;
+  rows.add({0, 5, 10, 15, 20});
+  rows.add({0.1, 5.1, 15.1, 20.1});  // one is not seen
+  EXPECT_NEAR(rows.spacing().spacing_m, 5, 1e-9);
+  EXPECT_TRUE(rows.spacing().regular);
+}
+
+// Vines a metre apart stand half-way between posts five metres apart, too; a few of them are as tall.
+TEST(PostLattice, AFewTallVinesHalfwayDoNotHalveIt) {
+  Rows rows;
+  rows.add({0, 5, 9.99, 12.52, 14.99, 17.46, 19.99}, {12.52, 17.46});
+  rows.add({0, 5, 10, 15, 20});
+  rows.add({0, 5.01, 9.99, 14.99, 17.54, 19.99}, {17.54});
+  EXPECT_NEAR(rows.spacing().spacing_m, 5, 0.02);
+  EXPECT_TRUE(rows.spacing().regular);
+}
+
+// As high as the others they are posts, of which most could not be seen.
+TEST(PostLattice, AFewPostsHalfwayDo) {
+  Rows rows;
+  rows.add({0, 5, 10, 12.5, 15, 17.5, 20});
+  rows.add({0, 5, 10, 15, 20});
+  rows.add({0, 5, 10, 15, 17.5, 20});
+  EXPECT_NEAR(rows.spacing().spacing_m, 2.5, 1e-9);
+}
+
+TEST(PostLattice, PostsOfWhichManyAreNotSeenKeepTheirSpacing) {
+  Rows rows;
+  rows.add({0, 4, 12, 20, 28, 32});
+  rows.add({4, 8, 16, 20, 24});
+  rows.add({0, 8, 12, 16, 24, 28});
+  EXPECT_NEAR(rows.spacing().spacing_m, 4, 1e-9);
+}
+
+TEST(PostLattice, WithoutTwoPostsInARowThereIsNone) {
+  Rows rows;
+  rows.add({3});
+  rows.add({});
+  EXPECT_TRUE(std::isnan(rows.spacing().spacing_m));
+  EXPECT_FALSE(rows.spacing().regular);
+}
+
+}  // namespace
+}  // namespace rayfield::density
