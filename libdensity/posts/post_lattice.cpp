@@ -74,14 +74,16 @@ std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, c
 // as a post has to be.
 bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
                      const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
-  constexpr double kLower = 0.93;
+  constexpr double kLowerM = 0.03;  // than all but a tenth of them
   std::vector<double> added, own;
   for (std::size_t r = 0; r < stems.size(); ++r) {
     const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
     for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
       (std::binary_search(wide.begin(), wide.end(), i) ? own : added).push_back(stems[r][i].stem.top_m);
   }
-  return !added.empty() && !own.empty() && median_of(added) < kLower * median_of(own);
+  if (added.empty() || own.empty()) return false;
+  std::sort(own.begin(), own.end());
+  return median_of(added) < own[own.size() / 10] - kLowerM;
 }
 
 // How many places a spacing has in the rows, from the first sure post of each to the last.
