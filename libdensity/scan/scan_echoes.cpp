@@ -62,7 +62,7 @@ Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
 }  // namespace
 
 Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
-                                    std::span<const WoodCylinder> wood, std::shared_ptr<const BeamView> view) {
+                                    std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view) {
   SampledEchoes sampled;
   work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   for (const tile::TileEntry& entry : work.scan.tiles) {

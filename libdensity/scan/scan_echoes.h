@@ -22,7 +22,7 @@ struct SampledEchoes {
 };
 /// `view`: of beams that are not thin, or nullptr.
 Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
-                                    std::span<const WoodCylinder> wood, std::shared_ptr<const BeamView> view);
+                                    std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view);
 
 /// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
 /// where the options say so.

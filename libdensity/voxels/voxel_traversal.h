@@ -102,7 +102,7 @@ inline void walk(const RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const 
 /// Adds a piece of the ray g0 + t·dg (voxel coordinates, t in metres) to every voxel that it crosses. Every hit inside
 /// the grid is counted in exactly one voxel: the one in which the piece ends; returns whether that voxel is one of this
 /// tile's. `wide`: for grids with EchoCounters.
-template <bool kWide>
+template <bool Wide>
 inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
                      const RayPiece& piece, const WideRay& wide) {
   const Shape3 shape = sums.row_segment.shape();
@@ -130,7 +130,7 @@ inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Ei
       hit_counted = true;
     }
     if (at.first && counts_entry) ++sums.entries[at.column];
-    if constexpr (kWide) {
+    if constexpr (Wide) {
       EchoCounters& e = sums.echoes[at.voxel];
       const double middle = (at.from + at.to) / 2;
       const std::int64_t path = EchoCounters::path_units(x * piece.doubled_projection);
