@@ -1,10 +1,10 @@
 #include "libdensity/echoes/leaf_size.h"
 #include "libdensity/tiles/rounding.h"
+#include "libdensity/tiles/uniform.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,20 +18,12 @@ constexpr int kSamples = 20000;               // standard error of the two avera
 constexpr std::uint64_t kEnoughPairs = 2000;  // standard error of the share of same-leaf pairs about 1 %
 constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
 
-/// Uniform numbers that are the same on every platform (std::uniform_real_distribution need not be).
-class Uniform {
- public:
-  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
-  double operator()() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
-  double normal() { return std::sqrt(-2 * std::log((*this)())) * std::cos(2 * kPi * (*this)()); }
-  Eigen::Vector3d direction() {
-    const double z = 2 * (*this)() - 1, azimuth = 2 * kPi * (*this)(), s = std::sqrt(1 - z * z);
-    return {s * std::cos(azimuth), s * std::sin(azimuth), z};
-  }
+double gaussian(Uniform& uniform) { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * kPi * uniform()); }
 
- private:
-  std::mt19937_64 engine_;
-};
+Eigen::Vector3d direction(Uniform& uniform) {
+  const double z = 2 * uniform() - 1, azimuth = 2 * kPi * uniform(), s = std::sqrt(1 - z * z);
+  return {s * std::cos(azimuth), s * std::sin(azimuth), z};
+}
 
 /// Where a parallel ray at unit lateral distance meets the plane of a leaf that a ray along z has hit: offset in
 /// the leaf's own axes and along the ray, and the noise of the two ranges in units of their standard deviation.
@@ -51,7 +43,7 @@ std::vector<PlaneSample> plane_samples() {
     const double along = -x * s / c;
     const double a = x * c - along * s;  // in the plane, down the slope
     out.push_back({a * std::cos(turn) + y * std::sin(turn), -a * std::sin(turn) + y * std::cos(turn), along,
-                   std::sqrt(2.0) * uniform.normal()});
+                   std::sqrt(2.0) * gaussian(uniform)});
   }
   return out;
 }
@@ -180,7 +172,7 @@ LeafShadow leaf_shadow(double area_m2, double voxel_m) {
   // Lengths of shadow in the voxel, by whether the point of the leaf that casts it lies there too.
   double all = 0, inside = 0, hits = 0;
   for (int i = 0; i < kSamples; ++i) {
-    const Eigen::Vector3d normal = uniform.direction(), ray = uniform.direction();
+    const Eigen::Vector3d normal = direction(uniform), ray = direction(uniform);
     const Eigen::Vector3d axis_u = normal.unitOrthogonal(), axis_v = normal.cross(axis_u);
     // From the hit, inside the voxel, to another random point of the leaf.
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);

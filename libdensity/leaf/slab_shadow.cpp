@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <numbers>
-#include <random>
 
 #include "libdensity/tiles/rounding.h"
+#include "libdensity/tiles/uniform.h"
 
 namespace rayfield::density {
 namespace {
@@ -20,17 +19,6 @@ constexpr int kSteps = 16;     // of a shadow, per voxel side
 constexpr int kReach = 3;      // voxels off the hit that share a slab with it, or with one that does
 constexpr double kVoxels = 9;  // of a slab
 constexpr double kAzimuth = std::numbers::pi / 3, kElevation = std::numbers::pi / 9;
-
-/// Uniform numbers that are the same on every platform.
-class Uniform {
- public:
-  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
-  double operator()() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * (*this)(); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 /// Of the slabs that a voxel is part of, as a share: those that hold the voxel `along` and `up` from it, too.
 double common(int along, int up) { return std::max(0, 3 - std::abs(along)) * std::max(0, 3 - std::abs(up)) / 9.0; }
