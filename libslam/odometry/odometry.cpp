@@ -21,6 +21,7 @@ constexpr double kMaxInitialSpeed = 3.5;  // m/s, of a drive that begins in moti
 
 Odometry::Odometry(const Rig& rig, const SlamOptions& options, double epoch_s)
     : rig_(rig), options_(options), imu_(epoch_s, 0.01), out_{.surfels = SurfelFile(options.scratch_directory())} {
+  if (rig.lidar.beam) out_.source.beam = *rig.lidar.beam;
   out_.epoch_s = epoch_s;
   out_.track.step_s = imu_.step_s();
   out_.noise.gyro_density = rig.imu.gyro_noise_rad_s_sqrt_hz;
@@ -36,7 +37,7 @@ void Odometry::add(const BodyScan& scan) {
     const std::int64_t index = static_cast<std::int64_t>(std::floor(time / bin)) - extracted_bins_;
     if (index < 0) continue;  // later than its bin
     if (index >= static_cast<std::int64_t>(pending_.size())) pending_.resize(static_cast<std::size_t>(index) + 1);
-    sensor_ = scan.origin[k];
+    out_.source.origin = scan.origin[k];
     const Eigen::Vector3d p = scan.origin[k] + static_cast<double>(scan.range_m[k]) * scan.direction[k];
     pending_[static_cast<std::size_t>(index)].push_back({time, p.cast<float>(), scan.spin_rate_rad_s[k]});
   }
@@ -72,8 +73,8 @@ Result<void> Odometry::extract_to(double time_s) {
         points[k] = points[static_cast<std::size_t>(static_cast<double>(k) * stride)];
       points.resize(limit);
     }
-    const auto [surfels, poles] =
-        extract_features(points, sensor_, out_.track, options_.surfels, options_.poles, thread_count(options_.threads));
+    const auto [surfels, poles] = extract_features(points, out_.source, out_.track, options_.surfels, options_.poles,
+                                                   thread_count(options_.threads));
     RAYFIELD_CHECK(out_.surfels.append(surfels));
     out_.poles.insert(out_.poles.end(), poles.begin(), poles.end());
     newest_.insert(newest_.end(), surfels.begin(), surfels.end());

@@ -37,6 +37,7 @@ struct OdometryResult {
   std::vector<WindowStats> windows;
   InitialMotion initial_motion;
   InertialNoise noise;
+  BeamSource source;  ///< its origin is that of the newest beam
 };
 
 /// Stage a, streaming: keeps the points of the bins that are not yet complete and the surfels of the whole drive.
@@ -72,9 +73,8 @@ class Odometry {
   SlamOptions options_;
   ImuGrid imu_;
   bool initialized_ = false;
-  double done_s_ = 0;                                 // the trajectory is solved up to here
-  double lidar_end_s_ = -1;                           // time of the newest point
-  Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();  // the newest beam's start, IMU frame
+  double done_s_ = 0;        // the trajectory is solved up to here
+  double lidar_end_s_ = -1;  // time of the newest point
   std::int64_t extracted_bins_ = 0;
   std::vector<std::vector<BodyPoint>> pending_;  // points by bin, from bin extracted_bins_ on
   // The surfels of the newest bins, as many as a window may need.

@@ -12,6 +12,7 @@
 #include "libslam/pipeline/log_odometry.h"
 #include "libslam/pipeline/quality_check.h"
 #include "libslam/pipeline/run_report.h"
+#include "libslam/pipeline/spot_depth.h"
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::slam {
@@ -131,12 +132,9 @@ Result<SlamResult> reconstruct(const LogReader& read, const Rig& rig, const Sens
   return out;
 }
 
-}  // namespace
-
-Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::string& crs, const SlamOptions& options,
-                            Progress& progress) {
-  RAYFIELD_CHECK(options.validate());
-  if (!crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(crs));
+// Two passes where the rig asks for clock or encoder offsets.
+Result<SlamResult> reconstruct_with_offsets(const LogReader& read, const Rig& rig, const std::string& crs,
+                                            const SlamOptions& options, Progress& progress) {
   if (!rig.estimate_lidar_offset && !(rig.spinner && rig.estimate_spinner_offset))
     return reconstruct(read, rig, {}, true, crs, options, progress);
   // The windows of the first pass mistake a tenth of an offset for motion of the vehicle in step with the spinner,
@@ -148,6 +146,20 @@ Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::st
   std::vector<StageTime>& stages = result.report.stages;
   const double duration = result.report.end_s - result.report.start_s;
   stages.insert(stages.begin(), StageTime{"first pass, for offsets", seconds, duration / seconds});
+  return result;
+}
+
+}  // namespace
+
+Result<SlamResult> run_slam(const LogReader& read, const Rig& rig, const std::string& crs, const SlamOptions& options,
+                            Progress& progress) {
+  RAYFIELD_CHECK(options.validate());
+  if (!crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(crs));
+  RAYFIELD_ASSIGN(const SpotDepth spots, choose_spot_depth(read, rig, options, progress));
+  SlamOptions limited = options;
+  limited.surfels.max_spot_depth_m = spots.limit_m;
+  RAYFIELD_ASSIGN(SlamResult result, reconstruct_with_offsets(read, rig, crs, limited, progress));
+  note_spot_depth(rig, spots, result.report);
   return result;
 }
 

@@ -90,6 +90,8 @@ std::string report_json(const SlamReport& r) {
   o.set("stationary_start_s", r.stationary_start_s).set("initial_speed_m_s", r.initial_speed_m_s);
   o.set("lidar_scans", r.lidar_scans).set("lidar_points", r.lidar_points).set("lidar_hits", r.lidar_hits);
   o.set("surfels", r.surfels).set("windows", r.windows);
+  o.set("range_resolution_m", r.range_resolution_m).set("range_resolution_sigma_m", r.range_resolution_sigma_m);
+  o.set("max_spot_depth_m", r.max_spot_depth_m);
   o.raw("residuals", residuals.text());
   o.set("loop_closures", r.loop_closures).set("linked_visits", r.linked_visits);
   o.set("pole_depth_m", r.pole_depth_m);
@@ -138,6 +140,10 @@ std::string report_summary(const SlamReport& r) {
                      r.loop_closures, r.linked_visits);
   out += std::isfinite(r.surfel_thickness_m) ? fmt::format("{:.1f} mm thick\n", 1000 * r.surfel_thickness_m)
                                              : std::string("none seen twice\n");
+  if (std::isfinite(r.range_resolution_m))
+    out += fmt::format(
+        "beam       resolves {:.2f} ± {:.2f} m in range; planes are used where its spot is up to {:.2f} m deep\n",
+        r.range_resolution_m, r.range_resolution_sigma_m, r.max_spot_depth_m);
   if (r.poles_m.count > 0)
     out += fmt::format("poles      {} pairs of observations of posts and trunks, axes within {:.0f} mm\n",
                        r.poles_m.count, 1000 * r.poles_m.rms);

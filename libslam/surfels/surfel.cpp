@@ -14,9 +14,10 @@ namespace {
 constexpr double kUpright =
     0.3;  // 1 − |n_z| of a surface that also constrains the horizontal position: steeper than 45°
 
-// Fits a plane to the points of a voxel; false if they are not planar enough (docs/slam.md, "Stage a: windows").
-bool fit(const VoxelSums& voxel, const Eigen::Vector3d& origin, const PoseTrack& track, const SurfelOptions& options,
-         std::size_t level, Surfel& out, double& tilt) {
+// Fits a plane to the points of a voxel; false if they are not planar enough, or lit so aslant that their ranges are
+// not those of the plane (docs/slam.md, "Stage a: windows").
+bool fit(const VoxelSums& voxel, const Eigen::Vector3d& origin, const BeamSource& source, const PoseTrack& track,
+         const SurfelOptions& options, std::size_t level, Surfel& out, double& tilt) {
   if (voxel.count < options.min_points) return false;
   const double n = voxel.count;
   const Eigen::Vector3d mean = voxel.mean();
@@ -34,6 +35,7 @@ bool fit(const VoxelSums& voxel, const Eigen::Vector3d& origin, const PoseTrack&
   tilt = 1 - std::abs(eigen.eigenvectors()(2, 0));
   Eigen::Vector3d normal = inverse * eigen.eigenvectors().col(0);
   if (normal.dot(center) > 0) normal = -normal;
+  if (!(source.spot_depth_m(center, normal) <= options.max_spot_depth_m)) return false;
   out.center = center.cast<float>();
   out.normal = normal.normalized().cast<float>();
   out.variance_m2 = static_cast<float>(std::max(values[0], 0.0));
@@ -67,13 +69,13 @@ VoxelMap fill_grid(std::span<const Eigen::Vector3d> world, std::span<const BodyP
 }
 
 // Surfels of one such grid.
-std::vector<Ranked> surfels_of(const VoxelMap& map, const Eigen::Vector3d& origin, const PoseTrack& track,
-                               const SurfelOptions& options, std::size_t level, int stagger) {
+std::vector<Ranked> surfels_of(const VoxelMap& map, const Eigen::Vector3d& origin, const BeamSource& source,
+                               const PoseTrack& track, const SurfelOptions& options, std::size_t level, int stagger) {
   std::vector<Ranked> found;
   for (const VoxelSums& voxel : map.voxels()) {
     Surfel s;
     double tilt = 0;
-    if (!fit(voxel, origin, track, options, level, s, tilt)) continue;
+    if (!fit(voxel, origin, source, track, options, level, s, tilt)) continue;
     // Ground is plentiful and constrains height, roll and pitch only: where surfels are too many, upright ones stay.
     const std::uint64_t rank = (tilt > kUpright ? std::uint64_t{0} : std::uint64_t{1} << 63) |
                                (voxel_hash(voxel.x, voxel.y, 2 * voxel.z + stagger) >> 1);
@@ -84,9 +86,16 @@ std::vector<Ranked> surfels_of(const VoxelMap& map, const Eigen::Vector3d& origi
 
 }  // namespace
 
+double BeamSource::spot_depth_m(const Eigen::Vector3d& center, const Eigen::Vector3d& normal) const {
+  const Eigen::Vector3d ray = center - origin;
+  const double range = ray.norm(), diameter = beam.diameter_at(range);
+  if (diameter == 0) return 0;
+  return diameter * ray.cross(normal).norm() / std::abs(ray.dot(normal));
+}
+
 // Sorts the points into two staggered grids per resolution, in parallel, and makes surfels of each. What is kept and
 // its order depend on the points only.
-Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
+Features extract_features(std::span<const BodyPoint> points, const BeamSource& source, const PoseTrack& track,
                           const SurfelOptions& options, const PoleOptions& poles, int threads) {
   Features out;
   if (points.empty()) return out;
@@ -101,8 +110,8 @@ Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector
     const std::size_t level = k / 2;
     const int stagger = static_cast<int>(k % 2);
     const VoxelMap map = fill_grid(world, points, origin, options.voxel_size_m[level], stagger);
-    found[k] = surfels_of(map, origin, track, options, level, stagger);
-    if (level == 0) upright[k] = detect_poles(map, options.voxel_size_m[0], origin, sensor, track, poles);
+    found[k] = surfels_of(map, origin, source, track, options, level, stagger);
+    if (level == 0) upright[k] = detect_poles(map, options.voxel_size_m[0], origin, source.origin, track, poles);
   });
   for (std::size_t level = 0; level < levels; ++level) {
     std::vector<Ranked>& both = found[2 * level];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libslam/trajectory/pose_track.h"
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/result.h"
 #include "rayfield/slam/options.h"
 
@@ -38,9 +39,18 @@ struct Features {
   std::vector<Surfel> poles;  ///< detections of poles, see detect_poles()
 };
 
-/// Points are put into one frame with `track`, which must cover their times. `sensor`: where the beams start, in the
-/// IMU frame, to a decimetre.
-Features extract_features(std::span<const BodyPoint> points, const Eigen::Vector3d& sensor, const PoseTrack& track,
+/// What points were measured with.
+struct BeamSource {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< where the beams start, in the IMU frame, to a decimetre
+  LidarBeam beam;                                    ///< thin where it is not known
+
+  /// How far along the beam the spot reaches that it lights on a plane, m: its diameter times the tangent of the angle
+  /// between beam and normal. `center`, `normal`: of the plane, IMU frame. Infinite where the beam runs in the plane.
+  double spot_depth_m(const Eigen::Vector3d& center, const Eigen::Vector3d& normal) const;
+};
+
+/// Points are put into one frame with `track`, which must cover their times.
+Features extract_features(std::span<const BodyPoint> points, const BeamSource& source, const PoseTrack& track,
                           const SurfelOptions& options, const PoleOptions& poles, int threads = 1);
 
 }  // namespace rayfield::slam

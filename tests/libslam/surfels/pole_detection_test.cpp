@@ -41,8 +41,7 @@ TEST(DetectPoles, SeesATrunkInAScanLineButNoWallGroundOrFoliage) {
     points.push_back({0.1, Eigen::Vector3f(2, 3, -0.2f) + at, 0});                                    // foliage
     points.push_back({0.1, Eigen::Vector3f(2 + 3 * at.x(), 4 * at.y(), -1.6f + 0.02f * at.z()), 0});  // ground
   }
-  const auto poles =
-      extract_features(points, Eigen::Vector3d::Zero(), still_track(kSensor), SurfelOptions(), PoleOptions()).poles;
+  const auto poles = extract_features(points, BeamSource(), still_track(kSensor), SurfelOptions(), PoleOptions()).poles;
   ASSERT_GE(poles.size(), 2u);
   const Eigen::Vector3f towards = -Eigen::Vector3f(2.0f, 0.4f, 0).normalized();
   for (const Surfel& s : poles) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -38,7 +39,7 @@ TEST(ExtractSurfels, FindsThePlaneItsThicknessAndTheSideOfTheSensor) {
   SurfelOptions options;
   options.voxel_size_m = {0.6};
   const auto surfels =
-      extract_features(plane_points(n, at, 0.01, 4000, track), Eigen::Vector3d::Zero(), track, options, {}).surfels;
+      extract_features(plane_points(n, at, 0.01, 4000, track), BeamSource(), track, options, {}).surfels;
   ASSERT_GT(surfels.size(), 4u);
   // Where a face of a cell cuts the noisy layer lengthways the cell sees a part of its thickness only: each surfel is
   // held to one standard deviation of the noise, the typical one to a third.
@@ -69,11 +70,37 @@ TEST(ExtractSurfels, SeesAPlaneAsOneThoughTheVehicleMovedWhileMeasuringIt) {
   SurfelOptions options;
   options.voxel_size_m = {0.6};
   for (const Surfel& s : extract_features(plane_points(Eigen::Vector3d::UnitZ(), {3, 1, 0}, 0, 4000, track),
-                                          Eigen::Vector3d::Zero(), track, options, {})
+                                          BeamSource(), track, options, {})
                              .surfels) {
     EXPECT_LT(static_cast<double>(s.variance_m2), 1e-10);
     EXPECT_NEAR((track.pose(s.time_s) * s.center.cast<double>()).z(), 0, 2e-4);
   }
+}
+
+// 2 m below the sensor and 4 m ahead a beam of D meets level ground at tan = 4/2: its spot is 2·D deep.
+TEST(BeamSource, SpotsAreAsDeepAsTheirDiameterTimesTheTangent) {
+  const BeamSource wide{{0.1, 0, 0}, {0.0136, 0.0119, {}}};
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(wide.spot_depth_m({4.1, 0, -2}, up), 2 * (0.0136 + 0.0119 * std::sqrt(20.0)), 1e-12);
+  EXPECT_NEAR(wide.spot_depth_m({4.1, 0, -2}, -up), 2 * (0.0136 + 0.0119 * std::sqrt(20.0)), 1e-12);
+  EXPECT_NEAR(wide.spot_depth_m({0.1, 0, -2}, up), 0, 1e-12);
+  EXPECT_TRUE(std::isinf(wide.spot_depth_m({4.1, 0, 0}, up)));
+  EXPECT_EQ(BeamSource().spot_depth_m({4, 0, 0}, up), 0);
+}
+
+TEST(ExtractSurfels, LeavesOutWhatAWideBeamLightsMoreAslantThanTheLidarResolves) {
+  const PoseTrack track = still_track(1);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  SurfelOptions options;
+  options.voxel_size_m = {0.6}, options.max_spot_depth_m = 0.15;
+  const BeamSource wide{Eigen::Vector3d::Zero(), {0.0136, 0.0119, {}}};
+  const auto near = plane_points(up, {1.5, 0, 0}, 0.003, 4000, track);  // spots 0.03 m deep
+  const auto far = plane_points(up, {7, 0, 0}, 0.003, 4000, track);     // 0.35 m
+  EXPECT_FALSE(extract_features(near, wide, track, options, {}).surfels.empty());
+  EXPECT_TRUE(extract_features(far, wide, track, options, {}).surfels.empty());
+  EXPECT_FALSE(extract_features(far, BeamSource(), track, options, {}).surfels.empty());
+  options.max_spot_depth_m = 0.5;
+  EXPECT_FALSE(extract_features(far, wide, track, options, {}).surfels.empty());
 }
 
 TEST(ExtractSurfels, GivesNothingForASingleScanLineOrABall) {
@@ -87,10 +114,10 @@ TEST(ExtractSurfels, GivesNothingForASingleScanLineOrABall) {
   }
   SurfelOptions options;
   options.voxel_size_m = {1.2};
-  EXPECT_TRUE(extract_features(line, Eigen::Vector3d::Zero(), track, options, {}).surfels.empty());
-  for (const Surfel& s : extract_features(ball, Eigen::Vector3d::Zero(), track, options, {}).surfels)
+  EXPECT_TRUE(extract_features(line, BeamSource(), track, options, {}).surfels.empty());
+  for (const Surfel& s : extract_features(ball, BeamSource(), track, options, {}).surfels)
     EXPECT_GT(static_cast<double>(s.variance_m2), 1e-3);  // a cut ball may look flat, but never thin
-  EXPECT_TRUE(extract_features({}, Eigen::Vector3d::Zero(), track, options, {}).surfels.empty());
+  EXPECT_TRUE(extract_features({}, BeamSource(), track, options, {}).surfels.empty());
 }
 
 }  // namespace

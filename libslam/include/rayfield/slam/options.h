@@ -20,6 +20,7 @@ struct SurfelOptions {
   double max_eigenvalue_ratio = 0.15;
   double min_extent_fraction = 0.08;
   int max_surfels_per_bin = 400;
+  double max_spot_depth_m = 0;
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
@@ -35,6 +36,10 @@ struct SurfelOptions {
              "Root of the middle eigenvalue as a fraction of the voxel edge; excludes single scan lines");
     v.integer("max_surfels_per_bin", o.max_surfels_per_bin, {50, 100000},
               "Surfels kept per time bin and resolution; bounds memory and time");
+    v.number("max_spot_depth_m", o.max_spot_depth_m, {0, 10},
+             "Planes on which the spot of a wide beam reaches further than this along the beam make no surfels: beyond "
+             "the lidar's range resolution what returns is the near edge of the spot; "
+             "0 = measured from the drive, see docs/slam.md");
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 /// report: what a run says of itself, as JSON for programs and as text for people.
@@ -62,6 +63,11 @@ struct SlamReport {
 
   std::uint64_t lidar_scans = 0, lidar_points = 0, lidar_hits = 0, surfels = 0;
   int windows = 0;
+  /// Of a wide beam: how far apart along the beam surfaces make one echo, from ground seen aslant, and the depth of
+  /// spots up to which planes were used. NaN where not measured, or where the beam is not known.
+  double range_resolution_m = std::numeric_limits<double>::quiet_NaN();
+  double range_resolution_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  double max_spot_depth_m = std::numeric_limits<double>::quiet_NaN();
   ResidualSummary window_surfels_m, near_surfels_m, revisit_surfels_m, poles_m, gps_m, gyro_rad_s, accel_m_s2;
   double pole_depth_m = 0;          ///< from the visible surface of posts and trunks to their axes
   std::uint64_t loop_closures = 0;  ///< surfel matches between different passes
