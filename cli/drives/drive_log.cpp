@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -105,6 +107,8 @@ Result<RegisteredDrive> register_drive(const std::string& log, const std::string
   drive.report = std::move(result.report);
   drive.gps = std::move(result.gps);
   drive.beam = opened.rig.lidar.beam;
+  if (drive.beam && std::isfinite(drive.report.range_resolution_m))
+    drive.beam->range_resolution_m = drive.report.range_resolution_m;
   drive.log_warnings = std::move(opened.warnings);
   drive.rays = slam::open_unwarped(opened.read, opened.rig, drive.trajectory, result.offsets, log);
   return drive;

@@ -76,6 +76,12 @@ Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& pr
   return tile::InputEntry{path.filename().string(), digest.size, std::move(digest.sha256)};
 }
 
+// What an input tells of the lidar's beam, where the rig file does not.
+void add_knowledge(const std::optional<LidarBeam>& told, std::optional<LidarBeam>& beam) {
+  if (!beam) beam = told;
+  if (told && told->same_disc(*beam) && !beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;
+}
+
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
                                               const fs::path& scratch, int threads, Progress& progress,
                                               std::vector<std::string>& warnings,
@@ -92,6 +98,7 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     for (const std::string& warning : all_warnings(drive))
       warnings.push_back(path.filename().string() + ": " + warning);
     RAYFIELD_CHECK(keep_drive_files(drive, attachments));
+    add_knowledge(drive.beam, beam);
     return std::move(drive.rays);
   }
   RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
@@ -103,7 +110,7 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
                 "transform it, or make a store in its CRS");
-  if (!beam) beam = reader->beam();
+  add_knowledge(reader->beam(), beam);
   return std::unique_ptr<RaySource>(std::move(reader));
 }
 

@@ -7,7 +7,7 @@
 namespace rayfield::formats {
 namespace {
 
-// Takes "key number" from the front of `text`.
+// Takes "key number" from the front of `text`, which stays as it is where that does not stand there.
 std::optional<double> take_number(std::string_view key, double high, std::string_view& text) {
   if (!text.starts_with(key) || !text.substr(key.size()).starts_with(' ')) return std::nullopt;
   const std::string_view digits = text.substr(key.size() + 1);
@@ -24,6 +24,7 @@ std::optional<double> take_number(std::string_view key, double high, std::string
 std::string beam_comment(const LidarBeam& beam) {
   std::string text = fmt::format("beam diameter_m {} divergence_rad {}", beam.diameter_m, beam.divergence_rad);
   if (beam.detection_share) text += fmt::format(" detection_share {}", *beam.detection_share);
+  if (beam.range_resolution_m) text += fmt::format(" range_resolution_m {}", *beam.range_resolution_m);
   return text;
 }
 
@@ -33,10 +34,11 @@ std::optional<LidarBeam> parse_beam_comment(std::string_view comment) {
   const auto diameter = take_number("diameter_m", kWidestBeam_m, rest);
   const auto divergence = take_number("divergence_rad", kWidestDivergence_rad, rest);
   if (!diameter || !divergence) return std::nullopt;
-  LidarBeam beam{*diameter, *divergence, std::nullopt};
-  if (rest.empty()) return beam;
+  LidarBeam beam{.diameter_m = *diameter, .divergence_rad = *divergence};
   beam.detection_share = take_number("detection_share", 1, rest);
-  if (!beam.detection_share || *beam.detection_share == 0 || !rest.empty()) return std::nullopt;
+  beam.range_resolution_m = take_number("range_resolution_m", kCoarsestRange_m, rest);
+  const bool is_resolution = beam.range_resolution_m.value_or(kFinestRange_m) >= kFinestRange_m;
+  if (!rest.empty() || beam.detection_share == 0 || !is_resolution) return std::nullopt;
   return beam;
 }
 

@@ -184,11 +184,12 @@ void take_beam(Section& lidar, std::optional<LidarBeam>& out) {
     lidar.missing(lidar.has("beam_diameter_m") ? "beam_divergence_rad" : "beam_diameter_m",
                   "give both, or the lidar's model; see docs/rig.md");
   if (lidar.has("beam_diameter_m") || lidar.has("beam_divergence_rad")) out = beam;
-  if (!lidar.has("detection_share")) return;
-  double share = 0;
-  lidar.number("detection_share", 0.001, 1, share);
-  if (!out) return lidar.refuse_key("detection_share", "it needs beam_diameter_m and beam_divergence_rad beside it");
-  out->detection_share = share;
+  for (const char* key : {"detection_share", "range_resolution_m"})
+    if (lidar.has(key) && !out)
+      return lidar.refuse_key(key, "it needs beam_diameter_m and beam_divergence_rad beside it");
+  if (lidar.has("detection_share")) lidar.number("detection_share", 0.001, 1, out->detection_share.emplace());
+  if (lidar.has("range_resolution_m"))
+    lidar.number("range_resolution_m", kFinestRange_m, kCoarsestRange_m, out->range_resolution_m.emplace());
 }
 
 void take_lidar(Section& section, Rig::Lidar& lidar) {
@@ -261,6 +262,7 @@ std::string beam_text(const std::optional<LidarBeam>& beam) {
   std::string text =
       fmt::format("beam_diameter_m = {}\nbeam_divergence_rad = {}\n", beam->diameter_m, beam->divergence_rad);
   if (beam->detection_share) text += fmt::format("detection_share = {}\n", *beam->detection_share);
+  if (beam->range_resolution_m) text += fmt::format("range_resolution_m = {}\n", *beam->range_resolution_m);
   return text;
 }
 
@@ -292,6 +294,9 @@ Result<void> validate_rig(const Rig& rig) {
       return bad("lidar.beam_divergence_rad", "must be 0 to 0.1");
     if (beam->detection_share && !(*beam->detection_share > 0 && *beam->detection_share <= 1))
       return bad("lidar.detection_share", "must be above 0 and at most 1");
+    if (beam->range_resolution_m &&
+        !(*beam->range_resolution_m >= kFinestRange_m && *beam->range_resolution_m <= kCoarsestRange_m))
+      return bad("lidar.range_resolution_m", "must be 0.005 to 2");
   }
   const auto is_unit = [](double norm) { return std::abs(norm - 1.0) <= kUnitTolerance; };
   if (rig.spinner && !is_unit(rig.spinner->axis.norm())) return bad("spinner.axis", "must be a unit vector");

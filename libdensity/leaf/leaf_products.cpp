@@ -144,13 +144,16 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   return key.hex();
 }
 
-// How the dormant scan's beams look at the voxels, where they are like this scan's.
+// How the dormant scan's beams look at the voxels, where they are like this scan's. What was measured of them is taken
+// from this scan, so that what is wrong about it is alike in both.
 Result<std::shared_ptr<const BeamView>> view_of_wood(ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood) {
-  if (!voxels.echoes || wood.scan.beam != work.scan.beam) return nullptr;
+  if (!voxels.echoes || !wood.scan.beam || !wood.scan.beam->same_disc(voxels.echoes->beam)) return nullptr;
   Derivation files = work.files.for_scan(wood.scan.scan_id);
   ScanWork of_wood{work.store, wood.scan, work.options, files, work.progress, work.threads};
   RAYFIELD_ASSIGN(const std::vector<TileSurvey> surveys, survey_tiles(of_wood));
-  return view_of(wood.scan, surveys, work.options.beam);
+  tile::ScanEntry alike = wood.scan;
+  alike.beam = work.scan.beam;
+  return view_of(alike, surveys, work.options.beam);
 }
 
 LeafReport report_of(const ScanResults& results) {

@@ -4,6 +4,7 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/learning/scan_evidence_stage.h"
 #include "libdensity/registry/layout_store.h"
+#include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/stage_versions.h"
 
 namespace rayfield::density {
@@ -17,8 +18,7 @@ constexpr int kProcessedVersion = 1;
 std::string processed_key(const ScanWork& work, const RowLayout& known, const RowLayout& layout) {
   KeyBuilder key(kKind, kProcessedVersion);
   key.add(stage_versions()).add(option_numbers(work.options)).add(content_of(work.scan));
-  if (const auto& beam = work.scan.beam)
-    key.add(beam->diameter_m).add(beam->divergence_rad).add(beam->detection_share.value_or(-1));
+  if (const auto& beam = work.scan.beam) add_beam(key, *beam);
   add_lines(key, known);
   return key.add(geometry_key(layout)).hex();
 }

@@ -16,8 +16,9 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "echoes";
-constexpr double kTypicalRangeM = 2;        // from a lane to the row beside it
-constexpr double kThinM = 0.003;            // diameter there
+constexpr double kTypicalRangeM = 2;  // from a lane to the row beside it
+constexpr double kThinM = 0.003;      // diameter there
+constexpr double kTypicalResolutionM = 0.15;
 constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
 constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
 constexpr double kModelError = 0.07;        // and where they are weighed
@@ -59,6 +60,11 @@ Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   return m;
 }
 
+double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
+  return options.range_resolution_m > 0 ? options.range_resolution_m
+                                        : beam.range_resolution_m.value_or(kTypicalResolutionM);
+}
+
 }  // namespace
 
 Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
@@ -83,7 +89,7 @@ std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, std::span<c
   std::vector<const TileSurvey*> of_tiles;
   for (const TileSurvey& survey : surveys) of_tiles.push_back(&survey);
   return std::make_shared<const BeamView>(
-      BeamView{*scan.beam, kBehindResolutions * options.range_resolution_m, SensorTrack(join_path(of_tiles))});
+      BeamView{*scan.beam, kBehindResolutions * resolution_of(*scan.beam, options), SensorTrack(join_path(of_tiles))});
 }
 
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
@@ -94,7 +100,7 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   KeyBuilder key(kKind, kEchoesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
   key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
-  key.add(view->beam.diameter_m).add(view->beam.divergence_rad).add(view->beam.detection_share.value_or(-1));
+  add_beam(key, view->beam);
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
@@ -104,8 +110,8 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
     const auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,
-                                                                {view->beam, beam.range_resolution_m, beam.full_echo,
-                                                                 work.options.estimator.leaf_size_m2})
+                                                                {view->beam, resolution_of(view->beam, beam),
+                                                                 beam.full_echo, work.options.estimator.leaf_size_m2})
                                           : std::nullopt;
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns["model"] = model ? fields_of(*model) : std::vector<double>{};
@@ -122,6 +128,11 @@ Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const til
     return model_from(arrays);
   }
   return std::nullopt;
+}
+
+void add_beam(KeyBuilder& key, const LidarBeam& beam) {
+  key.add(beam.diameter_m).add(beam.divergence_rad);
+  key.add(beam.detection_share.value_or(-1)).add(beam.range_resolution_m.value_or(-1));
 }
 
 std::vector<double> model_numbers(const std::optional<EchoModel>& model) {

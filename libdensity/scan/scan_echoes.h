@@ -37,6 +37,9 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
 /// The same from the files of a scan that was processed before.
 Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan);
 
+/// What is known of a beam, for keys.
+void add_beam(KeyBuilder& key, const LidarBeam& beam);
+
 /// Everything in it, for keys.
 std::vector<double> model_numbers(const std::optional<EchoModel>& model);
 

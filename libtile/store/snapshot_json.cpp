@@ -82,12 +82,15 @@ ScanAlignment parse_alignment(const Json& json) {
 Json beam_json(const LidarBeam& beam) {
   Json json = {{"diameter_m", beam.diameter_m}, {"divergence_rad", beam.divergence_rad}};
   if (beam.detection_share) json["detection_share"] = *beam.detection_share;
+  if (beam.range_resolution_m) json["range_resolution_m"] = *beam.range_resolution_m;
   return json;
 }
 
 LidarBeam parse_beam(const Json& json) {
-  LidarBeam beam{json.at("diameter_m").get<double>(), json.at("divergence_rad").get<double>(), {}};
+  LidarBeam beam{.diameter_m = json.at("diameter_m").get<double>(),
+                 .divergence_rad = json.at("divergence_rad").get<double>()};
   if (json.contains("detection_share")) beam.detection_share = json.at("detection_share").get<double>();
+  if (json.contains("range_resolution_m")) beam.range_resolution_m = json.at("range_resolution_m").get<double>();
   return beam;
 }
 

@@ -46,6 +46,23 @@ TEST_F(AddBeam, OfAModelIsKnown) {
   EXPECT_DOUBLE_EQ(beam_of_scan()["divergence_rad"], 0.0119);
 }
 
+TEST_F(AddBeam, HasTheRangeResolutionOfTheRigOrElseThatOfTheCloud) {
+  const std::string disc = "[lidar]\nbeam_diameter_m = 0.0136\nbeam_divergence_rad = 0.0119\n";
+  std::string header_and_rays = lane_cloud(50);
+  header_and_rays.insert(header_and_rays.find("element"),
+                         "comment beam diameter_m 0.0136 divergence_rad 0.0119 range_resolution_m 0.2\n");
+  write_file(cloud(), header_and_rays);
+  ASSERT_EQ(add(disc).exit_code, 0);
+  EXPECT_DOUBLE_EQ(beam_of_scan()["range_resolution_m"], 0.2);
+  EXPECT_THAT(rayfield({"status", store()}).out, HasSubstr("resolves 0.2 m in range"));
+  ASSERT_EQ(rayfield({"remove", store(), "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(add(disc + "range_resolution_m = 0.4\n").exit_code, 0);
+  EXPECT_DOUBLE_EQ(beam_of_scan()["range_resolution_m"], 0.4);
+  ASSERT_EQ(rayfield({"remove", store(), "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(add("[lidar]\nmodel = \"VLP-16\"\n").exit_code, 0);  // another beam than the header's
+  EXPECT_FALSE(beam_of_scan().contains("range_resolution_m"));
+}
+
 TEST_F(AddBeam, ThatCannotBeIsRefusedAndNothingIsAdded) {
   const Outcome added = add("[lidar]\nbeam_divergence_rad = 1.5\n");
   EXPECT_EQ(added.exit_code, 2) << added.err;

@@ -93,9 +93,11 @@ TEST(RigFile, ReadsTheBeamAndWritesItBack) {
   ASSERT_TRUE(rig) << rig.error().line();
   EXPECT_EQ(rig->lidar.beam, (LidarBeam{0.0136, 0.0119, {}}));
   EXPECT_EQ(parse_rig(rig_text(*rig), "again")->lidar.beam, rig->lidar.beam);
-  const auto full = parse_rig(replaced("[spinner]", "model = \"SICK LMS111\"\ndetection_share = 0.3\n[spinner]"), "r");
+  const auto full = parse_rig(
+      replaced("[spinner]", "model = \"SICK LMS111\"\ndetection_share = 0.3\nrange_resolution_m = 0.2\n[spinner]"),
+      "r");
   ASSERT_TRUE(full) << full.error().line();
-  EXPECT_EQ(full->lidar.beam, (LidarBeam{0.008, 0.015, 0.3}));
+  EXPECT_EQ(full->lidar.beam, (LidarBeam{0.008, 0.015, 0.3, 0.2}));
   EXPECT_EQ(parse_rig(rig_text(*full), "again")->lidar.beam, full->lidar.beam);
   // What is stated rules over the data sheet.
   const auto high =
@@ -112,6 +114,8 @@ TEST(RigFile, RefusesBeamsThatAreNotOne) {
   EXPECT_THAT(with("beam_divergence_rad = 0.01"), HasSubstr("lidar.beam_diameter_m is missing"));
   EXPECT_THAT(with("detection_share = 0.25"), HasSubstr("lidar.detection_share: it needs beam_diameter_m"));
   EXPECT_THAT(with("model = \"LMS511\"\ndetection_share = 1.5"), HasSubstr("must be 0.001 to 1"));
+  EXPECT_THAT(with("range_resolution_m = 0.2"), HasSubstr("lidar.range_resolution_m: it needs beam_diameter_m"));
+  EXPECT_THAT(with("model = \"LMS511\"\nrange_resolution_m = 20"), HasSubstr("must be 0.005 to 2"));
   EXPECT_THAT(with("model = \"LMS999\""), HasSubstr("not a lidar whose beam is known (LMS511"));
 }
 

@@ -31,6 +31,12 @@ TEST(ScanEchoes, TheViewHoldsTheBeamUnlessTheOptionsRefuseIt) {
   ASSERT_NE(view, nullptr);
   EXPECT_EQ(view->beam.divergence_rad, 0.0119);
   EXPECT_NEAR(view->behind_m, 0.16, 1e-12);
+  tile::ScanEntry measured = scan_with(0.0136, 0.0119);
+  measured.beam->range_resolution_m = 0.3;
+  EXPECT_NEAR(view_of(measured, {}, options)->behind_m, 0.16, 1e-12);  // what the options say goes before
+  options.range_resolution_m = 0;
+  EXPECT_NEAR(view_of(measured, {}, options)->behind_m, 0.24, 1e-12);
+  EXPECT_NEAR(view_of(scan_with(0.0136, 0.0119), {}, options)->behind_m, 0.12, 1e-12);
   options.enabled = false;
   EXPECT_EQ(view_of(scan_with(0.0136, 0.0119), {}, options), nullptr);
 }

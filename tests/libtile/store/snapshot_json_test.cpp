@@ -59,7 +59,7 @@ TEST(SnapshotJson, EverythingComesBackAndTextIsStable) {
 TEST(SnapshotJson, TheBeamComesBackWithAndWithoutItsShareOrIsAbsent) {
   for (const std::optional<LidarBeam>& beam :
        {std::optional<LidarBeam>(), std::optional(LidarBeam{0.0136, 0.0119, std::nullopt}),
-        std::optional(LidarBeam{0.011, 0.0021, 0.3})}) {
+        std::optional(LidarBeam{0.011, 0.0021, 0.3, 0.15})}) {
     Snapshot snapshot = sample_snapshot();
     snapshot.scans[0].beam = beam;
     const auto json = to_json(snapshot);

@@ -109,14 +109,16 @@ struct LeafAngles {
 /// Taking out the width of beams that are not thin, where the rig tells it (docs/beams.md).
 struct BeamOptions {
   bool enabled = true;
-  double range_resolution_m = 0.15;
+  double range_resolution_m = 0;
   double full_echo = 0;
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
     v.flag("enabled", o.enabled, "false: every echo counts as the hit of a thin ray, whatever the beam");
-    v.number("range_resolution_m", o.range_resolution_m, {0.005, 2},
-             "What lies closer together along the beam makes one echo: half the length of the pulse");
+    v.number(
+        "range_resolution_m", o.range_resolution_m, {0, 2},
+        "What lies closer together along the beam makes one echo: half the length of the pulse; 0 = as the rig says "
+        "or as SLAM measured it, else 0.15");
     v.number("full_echo", o.full_echo, {0, 65535},
              "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
   }
