@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "libdensity/estimate/row_shares.h"
+#include "libdensity/estimate/slab_density.h"
 
 namespace rayfield::density {
 namespace {
@@ -33,14 +34,14 @@ double wood_in_section(const RowDensity& leaf, const RowDensity& wood, int along
 
 double squared(double x) { return x * x; }
 
-/// Variance of the two scans' sampling alone. That elements come whole, density·leaf area/volume of a voxel's variance
-/// (slab_density.h), is not an error of the wood: the same wood stands in both scans.
+/// Variance of the two scans' sampling alone. How the elements are turned, density·kLeafTurnVariance·leaf area/volume of
+/// a voxel's variance (slab_density.h), is not an error of the wood: the same wood stands in both scans.
 float sampling_variance(const RowDensity& plant, const RowDensity& wood, std::size_t voxel) {
   const double volume = plant.voxel_m * plant.voxel_m * plant.voxel_m;
   double variance = static_cast<double>(plant.variance[voxel]) + static_cast<double>(wood.variance[voxel]);
   for (const RowDensity* row : {&plant, &wood})
     if (row->state[voxel] == VoxelState::observed)
-      variance -= static_cast<double>(row->density[voxel]) * row->leaf_size_m2 / volume;
+      variance -= kLeafTurnVariance * static_cast<double>(row->density[voxel]) * row->leaf_size_m2 / volume;
   return static_cast<float>(std::max(0.0, variance));
 }
 
@@ -73,7 +74,7 @@ std::vector<LeafSum> leaf_of_panels(const RowDensity& leaf, const RowDensity& wo
       add_section(leaf, a, share, sum, voxels, observed);
       sum.wood_m2 += share * wood_in_section(leaf, wood, a);
     }
-    sum.variance_m4 += leaf.leaf_size_m2 * std::max(0.0, sum.leaf_m2);
+    sum.variance_m4 += kLeafTurnVariance * leaf.leaf_size_m2 * std::max(0.0, sum.leaf_m2);
     sum.observed_fraction = voxels > 0 ? observed / voxels : 0;
     sums.push_back(sum);
   }

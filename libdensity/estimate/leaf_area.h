@@ -22,7 +22,7 @@ Result<RowDensity> subtract_wood(RowDensity plant, const RowDensity& wood);
 struct LeafSum {
   double leaf_m2 = 0;
   double wood_m2 = 0;            ///< that was subtracted
-  double variance_m4 = 0;        ///< of the two scans' sampling, and of leaves that come whole
+  double variance_m4 = 0;        ///< of the two scans' sampling, and of how leaves are turned
   double observed_fraction = 0;  ///< share of voxels that both scans crossed with at least two rays
 };
 

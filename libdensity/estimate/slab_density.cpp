@@ -60,7 +60,7 @@ Slab slab_at(const RowDensity& r, std::span<const VoxelSums> sums, const std::ve
 void estimate_slabs(RowDensity& r, std::span<const VoxelSums> sums) {
   const LeafShadow shadow = leaf_shadow(r.leaf_size_m2, r.voxel_m);
   const double to_density = 2 / r.voxel_m, to_variance = to_density * to_density;
-  const double whole_leaves = 0.5 * r.leaf_size_m2 / (r.voxel_m * r.voxel_m);
+  const double turned_leaves = kLeafTurnVariance * 0.5 * r.leaf_size_m2 / (r.voxel_m * r.voxel_m);
   const std::vector<double> weight = weights_of(r, sums);
   std::vector<double> inverse(sums.size(), 0);  // 1/D of the slabs that are shared out
   for_voxels(r, [&](int a, int c, int u, std::size_t voxel) {
@@ -84,7 +84,7 @@ void estimate_slabs(RowDensity& r, std::span<const VoxelSums> sums) {
     const double w = weight[voxel];
     const double rate = w * v.hits * sum - w * w * v.hit_path * squares;
     r.density[voxel] += static_cast<float>(to_density * rate);
-    r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits_squared * sum * sum + rate * whole_leaves));
+    r.variance[voxel] += static_cast<float>(to_variance * (w * w * v.hits_squared * sum * sum + rate * turned_leaves));
   });
 }
 

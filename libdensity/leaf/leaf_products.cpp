@@ -112,7 +112,7 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
     options.leaf_size_m2 = of_plant.leaf_size_m2;
     RAYFIELD_ASSIGN(RowDensity of_wood,
                     wood.density(row.number, voxels.row_segments, voxels.wood, options, counted.echoes));
-    // The published method knows nothing of leaves that come whole.
+    // The published method knows nothing of how leaves are turned.
     if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
     RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
     scale_density(leaf, scale);

@@ -15,9 +15,9 @@ inline constexpr int kVoxelSizeVersion = 3;
 inline constexpr int kEchoesVersion = 1;
 inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
-inline constexpr int kResultsVersion = 4;
+inline constexpr int kResultsVersion = 5;
 inline constexpr int kTotalsVersion = 1;
-inline constexpr int kLeafVersion = 2;
+inline constexpr int kLeafVersion = 3;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion, kGroundVersion,      kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,

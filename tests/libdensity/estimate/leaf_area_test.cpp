@@ -124,20 +124,20 @@ TEST(LeafArea, LeavesOutMaskedWoodWhichBothScansLeaveOut) {
   EXPECT_NEAR(leaf->plant_area(3, 3, 3), 0.75 * bare, 1e-9);
 }
 
-TEST(LeafArea, CountsThatElementsComeWholeForTheLeavesAndNotForTheWoodOfBothScans) {
+TEST(LeafArea, CountsHowElementsAreTurnedForTheLeavesAndNotForTheWoodOfBothScans) {
   constexpr double kLeaf = 0.005, kVolume = 0.12 * 0.12 * 0.12;
   RowDensity plant = noisy_row(5, 11), wood = noisy_row(2, 12);
   for (RowDensity* row : {&plant, &wood}) {
     row->leaf_size_m2 = kLeaf;
     for (std::size_t i = 0; i < row->density.size(); ++i)
       row->density[i] = std::max(0.0F, row->density[i]),
-      row->variance[i] = 1.0F + row->density[i] * static_cast<float>(kLeaf / kVolume);
+      row->variance[i] = 1.0F + row->density[i] * static_cast<float>(kLeaf / kVolume / 3);
   }
   const auto leaf = subtract_wood(plant, wood);
   const std::vector<Panel> whole = {{1, 1, 0, 2.4}};
   const LeafSum sum = leaf_of_panels(*leaf, wood, whole)[0];
   const double sampling = 2.0 * static_cast<double>(leaf->shape().size()) * kVolume * kVolume;
-  EXPECT_NEAR(sum.variance_m4, sampling + kLeaf * sum.leaf_m2, 1e-4 * sum.variance_m4);
+  EXPECT_NEAR(sum.variance_m4, sampling + kLeaf * sum.leaf_m2 / 3, 1e-4 * sum.variance_m4);
 }
 
 TEST(LeafArea, OfAPanelSeenTooLittleIsUndefined) {
