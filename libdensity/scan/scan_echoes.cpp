@@ -18,7 +18,6 @@ namespace {
 constexpr const char* kKind = "echoes";
 constexpr double kTypicalRangeM = 2;        // from a lane to the row beside it
 constexpr double kThinM = 0.003;            // diameter there
-constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
 constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
 constexpr double kModelError = 0.07;        // and where they are weighed
 

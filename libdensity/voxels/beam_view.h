@@ -5,6 +5,9 @@
 
 namespace rayfield::density {
 
+/// Of the range resolution: an echo lies at its mean range and not at its beginning (BEHIND in echo_loss.py).
+inline constexpr double kBehindResolutions = 0.8;
+
 /// How the beams of a scan look at the voxels, where they are not thin.
 struct BeamView {
   LidarBeam beam;
