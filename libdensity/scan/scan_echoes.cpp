@@ -16,10 +16,10 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "echoes";
-constexpr double kTypicalRangeM = 2;        // from a lane to the row beside it
-constexpr double kThinM = 0.003;            // diameter there
-constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
-constexpr double kModelError = 0.07;        // and where they are weighed
+constexpr double kTypicalRangeM = 2;     // from a lane to the row beside it
+constexpr double kThinM = 0.003;         // diameter there
+constexpr double kCountedErrorPerM = 8;  // relative error by the diameter there, where echoes are counted as hits
+constexpr double kModelError = 0.07;     // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
