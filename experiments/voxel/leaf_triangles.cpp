@@ -36,8 +36,12 @@ double area_of(const Polygon& polygon) {
 
 /// Poisson number: events of a process of rate 1 before `mean`.
 int draw_poisson(double mean, sim::CounterRandom& random) {
+  double at = -std::log(random.uniform());
   int count = 0;
-  for (double at = -std::log(random.uniform()); at < mean; at -= std::log(random.uniform())) ++count;
+  while (at < mean) {
+    ++count;
+    at -= std::log(random.uniform());
+  }
   return count;
 }
 

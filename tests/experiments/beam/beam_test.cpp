@@ -55,7 +55,6 @@ TEST_F(WideBeam, IsTakenOutWithWhatIsKnownAndWithWhatTheEchoesTell) {
 
 TEST_F(WideBeam, GivesTheSameAtAnyNumberOfThreads) {
   BeamExperimentOptions few = options();
-  few.fans = 60;
   Progress progress;
   few.threads = 1;
   const auto one = run_beam(few, progress);
