@@ -10,6 +10,7 @@ set(RAYFIELD_MAY_USE_align "core")
 set(RAYFIELD_MAY_USE_density "core;tile")
 set(RAYFIELD_MAY_USE_formats "core")
 set(RAYFIELD_MAY_USE_sim "core")
+set(RAYFIELD_MAY_USE_experiments "core;density;sim")
 
 set(RAYFIELD_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
     -Wcast-qual -Wconversion -Wno-sign-conversion -Wdouble-promotion -Wformat=2

@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-asan-ubsan}
 [ $# -gt 0 ] && shift
-[ $# -gt 0 ] || set -- core libtile libdensity formats libslam libalign sim cli
+[ $# -gt 0 ] || set -- core libtile libdensity formats libslam libalign sim experiments cli
 case "$preset" in
   asan-ubsan)
     # Leaks are not looked for: libraries that keep tables until the process ends would be reported.

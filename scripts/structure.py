@@ -10,7 +10,7 @@ import re
 import sys
 
 ROOT = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-LIBRARIES = ["core", "libtile", "libdensity", "formats", "libslam", "libalign", "sim", "cli"]
+LIBRARIES = ["core", "libtile", "libdensity", "formats", "libslam", "libalign", "sim", "experiments", "cli"]
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.M)
 
 

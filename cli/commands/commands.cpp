@@ -15,6 +15,7 @@ void add_all_commands(Commands& commands) {
   add_registry_command(commands);
   add_info_command(commands);
   add_options_command(commands);
+  add_experiment_command(commands);
   add_status_command(commands);
   add_log_command(commands);
   add_remove_command(commands);

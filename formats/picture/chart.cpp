@@ -4,6 +4,7 @@
 #include "formats/picture/picture_elements.h"
 #include "formats/picture/scatter_drawing.h"
 #include "formats/picture/season_drawing.h"
+#include "formats/picture/series_drawing.h"
 
 namespace rayfield::formats {
 
@@ -22,6 +23,13 @@ Result<void> write_season_chart(const BlockProducts& block, std::span<const Seas
   return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
     return draw_season(block, values, rows, path, options);
+  });
+}
+
+Result<void> write_series_chart(const SeriesChart& chart, const std::string& path, const PictureOptions& options) {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
+    RAYFIELD_CHECK(options.validate());
+    return draw_series(chart, path, options);
   });
 }
 

@@ -1,8 +1,6 @@
-#include "libdensity/estimate/estimator.h"
+#include "rayfield/density/estimator.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
 namespace rayfield::density {
 

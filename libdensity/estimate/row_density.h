@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "libdensity/echoes/echo_model.h"
-#include "libdensity/estimate/estimator.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/voxel_grid.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/result.h"
+#include "rayfield/density/estimator.h"
 #include "rayfield/density/options.h"
 
+/// Here counts become density, and densities panels, half metres, sections and maps (docs/density.md, "Estimating").
 namespace rayfield::density {
 
 /// Where the value of a voxel comes from.

@@ -16,12 +16,10 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "echoes";
-constexpr double kTypicalRangeM = 2;  // from a lane to the row beside it
-constexpr double kThinM = 0.003;      // diameter there
-constexpr double kTypicalResolutionM = 0.15;
-constexpr double kBehindResolutions = 0.8;  // echo_loss.py: BEHIND
-constexpr double kCountedErrorPerM = 8;     // relative error by the diameter there, where echoes are counted as hits
-constexpr double kModelError = 0.07;        // and where they are weighed
+constexpr double kTypicalRangeM = 2;     // from a lane to the row beside it
+constexpr double kThinM = 0.003;         // diameter there
+constexpr double kCountedErrorPerM = 8;  // relative error by the diameter there, where echoes are counted as hits
+constexpr double kModelError = 0.07;     // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
@@ -58,11 +56,6 @@ Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
-}
-
-double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
-  return options.range_resolution_m > 0 ? options.range_resolution_m
-                                        : beam.range_resolution_m.value_or(kTypicalResolutionM);
 }
 
 }  // namespace

@@ -2,8 +2,20 @@
 
 #include "libdensity/ground/sensor_track.h"
 #include "rayfield/core/lidar_beam.h"
+#include "rayfield/density/options.h"
 
 namespace rayfield::density {
+
+/// Of the range resolution: an echo lies at its mean range and not at its beginning (BEHIND in echo_loss.py).
+inline constexpr double kBehindResolutions = 0.8;
+
+inline constexpr double kTypicalResolution_m = 0.15;
+
+/// The range resolution that the options say, else that which is known of the beam, else a typical one, m.
+inline double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
+  if (options.range_resolution_m > 0) return options.range_resolution_m;
+  return beam.range_resolution_m.value_or(kTypicalResolution_m);
+}
 
 /// How the beams of a scan look at the voxels, where they are not thin.
 struct BeamView {

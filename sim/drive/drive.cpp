@@ -9,9 +9,9 @@
 #include <numbers>
 
 #include "rayfield/core/date.h"
+#include "rayfield/sim/random.h"
 #include "sim/drive/path.h"
 #include "sim/drive/true_trajectory.h"
-#include "sim/site/random.h"
 #include "sim/world/smooth_noise.h"
 #include "sim/world/terrain.h"
 

@@ -2,9 +2,9 @@
 
 #include <optional>
 
+#include "rayfield/sim/random.h"
 #include "rayfield/sim/site.h"
 #include "sim/scan/echoes.h"
-#include "sim/site/random.h"
 
 namespace rayfield::sim {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "rayfield/sim/random.h"
 #include "sim/drive/true_trajectory.h"
 #include "sim/scan/disturbance.h"
-#include "sim/site/random.h"
 
 namespace rayfield::sim {
 namespace {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
+#include "rayfield/sim/random.h"
 #include "sim/drive/true_trajectory.h"
 #include "sim/scan/beams.h"
-#include "sim/site/random.h"
 
 namespace rayfield::sim {
 namespace {

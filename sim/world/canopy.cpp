@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 #include "sim/world/smooth_noise.h"
 
 namespace rayfield::sim {

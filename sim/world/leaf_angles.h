@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "rayfield/sim/random.h"
 #include "rayfield/sim/site.h"
-#include "sim/site/random.h"
 
 namespace rayfield::sim {
 

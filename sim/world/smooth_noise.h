@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 
 namespace rayfield::sim {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 #include "sim/world/leaf_angles.h"
 
 namespace rayfield::sim {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 
 namespace rayfield::sim {
 namespace {

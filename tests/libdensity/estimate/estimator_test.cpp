@@ -1,4 +1,4 @@
-#include "libdensity/estimate/estimator.h"
+#include "rayfield/density/estimator.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 #include "sim/world/ray_scene.h"
 #include "tests/sim/sim_test_sites.h"
 

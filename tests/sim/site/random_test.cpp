@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 
 namespace rayfield::sim {
 namespace {

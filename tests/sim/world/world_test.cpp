@@ -4,7 +4,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "sim/site/random.h"
+#include "rayfield/sim/random.h"
 #include "sim/world/terrain.h"
 #include "tests/sim/sim_test_sites.h"
 

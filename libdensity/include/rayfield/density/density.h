@@ -2,6 +2,7 @@
 
 /// libdensity: from the tiles of a block to canopy density. What programs need of it:
 #include "rayfield/density/comparison.h"      // two dates against each other
+#include "rayfield/density/estimator.h"       // the estimators, from sums over rays
 #include "rayfield/density/landmarks.h"       // what of a block does not grow, to lay scans on each other
 #include "rayfield/density/layout_options.h"  // options of the stages up to the block's layout
 #include "rayfield/density/load.h"            // what process() left in the store, as products
@@ -10,6 +11,7 @@
 #include "rayfield/density/process.h"         // runs all stages over a store
 #include "rayfield/density/registry.h"        // rows, panels, posts: what they are called, what a scan is aligned to
 #include "rayfield/density/season.h"          // rows and block through all dates
+#include "rayfield/density/voxel_block.h"     // from rays to density in one block of voxels, without a store
 
 /// How it is done stands in the folders of the library, in this order, each using only those before it:
 ///   options      what can be set, and whether it fits together

@@ -1,13 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
-#include "libdensity/voxels/voxel_grid.h"
-#include "rayfield/core/result.h"
-#include "rayfield/density/options.h"
-
-/// Here counts become density, and densities panels, half metres, sections and maps (docs/density.md, "Estimating").
+/// The estimators of density, from sums over rays.
 namespace rayfield::density {
 
 /// λ̂ per voxel side from Σ w·m, Σ w·S and Σ w²·H over rays or voxels with fixed weights w (m hits, S
