@@ -71,19 +71,27 @@ std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, c
 }
 
 // Whether the sure posts that only the narrower spacing explains are lower than those of the wider one: vines as tall
-// as a post has to be.
+// as a post has to be. Posts whose upper part foliage hides are not held against them.
 bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
                      const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
-  constexpr double kLowerM = 0.03;  // than all but a tenth of them
-  std::vector<double> added, own;
+  constexpr double kLowerM = 0.03;
+  constexpr double kHiddenShare = 0.8;  // of the usual height; less than that is what foliage leaves to be seen
+  std::vector<double> own;
+  double added_m = 0;
+  std::size_t added = 0;
   for (std::size_t r = 0; r < stems.size(); ++r) {
     const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
     for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
-      (std::binary_search(wide.begin(), wide.end(), i) ? own : added).push_back(stems[r][i].stem.top_m);
+      if (std::binary_search(wide.begin(), wide.end(), i)) {
+        own.push_back(stems[r][i].stem.top_m);
+      } else {
+        added_m += stems[r][i].stem.top_m, ++added;
+      }
   }
-  if (added.empty() || own.empty()) return false;
-  std::sort(own.begin(), own.end());
-  return median_of(added) < own[own.size() / 10] - kLowerM;
+  if (added == 0 || own.empty()) return false;
+  const double usual_m = median_of(own);
+  std::erase_if(own, [&](double top_m) { return top_m < kHiddenShare * usual_m; });
+  return added_m / static_cast<double>(added) < median_of(own) - kLowerM;
 }
 
 // How many places a spacing has in the rows, from the first sure post of each to the last.

@@ -47,6 +47,16 @@ TEST(PostLattice, AFewTallVinesHalfwayDoNotHalveIt) {
   EXPECT_TRUE(rows.spacing().regular);
 }
 
+// In full leaf, with the upper half of some posts hidden.
+TEST(PostLattice, PostsThatFoliageHidesAreNotTakenForLowOnes) {
+  Rows rows;
+  rows.add({0, 5, 10, 15, 17.5, 20}, {17.5});
+  rows.add({0, 5, 10, 12.5, 15, 20}, {12.5});
+  rows.add({0, 5, 10, 15, 20});
+  rows.stems[0][1].stem.top_m = rows.stems[0][2].stem.top_m = rows.stems[1][1].stem.top_m = 0.9;
+  EXPECT_NEAR(rows.spacing().spacing_m, 5, 1e-9);
+}
+
 // As high as the others they are posts, of which most could not be seen.
 TEST(PostLattice, AFewPostsHalfwayDo) {
   Rows rows;
