@@ -34,7 +34,7 @@ std::string_view next_step(int error_number) {
 
 tl::unexpected<Error> fail_io(int error_number, std::string_view what, const std::filesystem::path& where) {
   auto failure = fail_errno(error_number, what, where.string(), next_step(error_number));
-  if (error_number == EIO || error_number == ENOTDIR) failure.value().code = ErrorCode::resources;
+  if (error_number == ENOTDIR) failure.value().code = ErrorCode::resources;
   return failure;
 }
 

@@ -17,7 +17,7 @@
 /// errors that say what a store needs. Paths in errors are as given.
 namespace rayfield::tile {
 
-/// The failure of a system call on a store that is being written: as fail_errno(), with EIO and ENOTDIR counted as
+/// The failure of a system call on a store that is being written: as fail_errno(), with ENOTDIR counted as
 /// `resources` too, and with what to do about a folder that may not be written to.
 tl::unexpected<Error> fail_io(int error_number, std::string_view what, const std::filesystem::path& where);
 
