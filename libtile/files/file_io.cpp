@@ -82,7 +82,11 @@ Result<void> make_directories(const std::filesystem::path& root, const std::file
     const std::filesystem::path parent = path;
     path /= part;
     struct stat status {};
-    if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) continue;
+    if (::lstat(path.c_str(), &status) == 0) {
+      if (S_ISDIR(status.st_mode)) continue;
+      return fail(ErrorCode::damaged, "cannot create folder", path.string(), "a link or a file stands in its place",
+                  "remove it");
+    }
     if (const int error = fault::point("mkdir")) return fail_io(error, "cannot create folder", path);
     if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) return fail_io(errno, "cannot create folder", path);
     RAYFIELD_CHECK(sync_directory(parent));

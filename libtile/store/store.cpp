@@ -187,6 +187,6 @@ Result<DerivedWriter> Store::write_derived() { return DerivedWriter::open(store_
 Result<std::vector<Damage>> Store::verify(bool all, int threads, Progress& progress) const {
   return verify_store(store_->folder, all, threads, progress);
 }
-Result<std::uint64_t> Store::gc(bool dry_run) { return collect_garbage(store_->folder, dry_run); }
+Result<GarbageReport> Store::gc(const GarbageOptions& options) { return collect_garbage(store_->folder, options); }
 
 }  // namespace rayfield::tile

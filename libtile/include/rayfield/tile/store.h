@@ -12,6 +12,7 @@
 #include "rayfield/tile/add_options.h"
 #include "rayfield/tile/arrays.h"
 #include "rayfield/tile/derived_writer.h"
+#include "rayfield/tile/garbage.h"
 #include "rayfield/tile/snapshot.h"
 #include "rayfield/tile/store_config.h"
 #include "rayfield/tile/tile_reader.h"
@@ -91,8 +92,10 @@ class Store {
 
   /// Checks every file of the newest snapshot (all snapshots with `all`) against its size and SHA-256.
   Result<std::vector<Damage>> verify(bool all, int threads, Progress& progress) const;
-  /// Removes files that no snapshot names and left-over temporary files; returns the bytes freed.
-  Result<std::uint64_t> gc(bool dry_run);
+  /// Clears away what no snapshot names and what writers that died have left. Derived and temporary files are deleted;
+  /// what nothing can make anew (rays, files kept with a scan, the registry) is moved to trash/. Errors: damaged (links
+  /// in the store; snapshots are missing, so that nothing tells whose the files are), locked.
+  Result<GarbageReport> gc(const GarbageOptions& options);
 
  private:
   explicit Store(std::shared_ptr<const OpenStore> store) : store_(std::move(store)) {}
