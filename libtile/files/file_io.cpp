@@ -18,6 +18,8 @@ namespace {
 
 // Small enough that a kill between two pieces leaves a torn file for the crash tests to find.
 constexpr std::size_t kWritePiece = std::size_t{256} << 10;
+// Of a raster of the most cells, 2^31, as float.
+constexpr std::uint64_t kMostFileBytes = std::uint64_t{9} << 30;
 
 // Whatever keeps the disk from taking what is written is a matter of resources, not of input.
 Error as_write_failure(Error error) {
@@ -48,6 +50,9 @@ Result<void> read_exactly(const FileDescriptor& file, std::uint64_t offset, std:
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::string_view what) {
   RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(path.string(), what));
+  if (file.size > kMostFileBytes)
+    return fail(ErrorCode::damaged, what, path.string(), "it is larger than any file of a store",
+                "run `rayfield verify`");
   std::vector<std::byte> bytes(file.size);
   RAYFIELD_CHECK(read_exactly(file.descriptor, 0, bytes, path));
   return bytes;
