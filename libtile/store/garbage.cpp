@@ -1,6 +1,7 @@
 #include "libtile/store/garbage.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -15,7 +16,7 @@
 #include "libtile/files/store_folder.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/files/writer_lock.h"
-#include "libtile/store/snapshot_log.h"
+#include "libtile/store/snapshot_chain.h"
 
 namespace rayfield::tile {
 namespace {
@@ -121,13 +122,21 @@ class Search {
   Leftovers found_;
 };
 
-Result<std::set<std::string>> named_files(const fs::path& folder) {
-  RAYFIELD_ASSIGN(const std::vector<Snapshot> snapshots, all_snapshots(folder));
+std::set<std::string> named_files(const SnapshotChain& chain) {
   std::set<std::string> named;
-  for (const Snapshot& snapshot : snapshots) {
+  for (const auto& [number, snapshot] : chain.intact)
     for (const FileEntry* file : snapshot.files()) named.insert(file->path);
-  }
   return named;
+}
+
+// Where snapshots are gone, what they named looks like garbage.
+Result<void> check_history(const SnapshotChain& chain, const Leftovers& leftovers, const fs::path& folder) {
+  if (chain.whole() || (leftovers.files.empty() && chain.unreadable.empty())) return {};
+  const Damage& first = chain.damage.front();
+  return fail(ErrorCode::damaged, "cannot clean the store", (folder / first.path).string(),
+              fmt::format("{}; {} files that no snapshot names may be those of the missing ones", first.reason,
+                          leftovers.files.size()),
+              "bring it back from a copy, or run `rayfield repair`");
 }
 
 Result<void> remove_name(const FileDescriptor& folder, const std::string& name, int flags, const fs::path& path) {
@@ -211,8 +220,10 @@ Result<GarbageReport> collect_garbage(const fs::path& folder, const GarbageOptio
     RAYFIELD_ASSIGN(lock, WriterLock::take(folder));
     cleared_by_lock = before.temporary_bytes;
   }
-  RAYFIELD_ASSIGN(const std::set<std::string> named, named_files(folder));
+  RAYFIELD_ASSIGN(const SnapshotChain chain, read_chain(folder));
+  const std::set<std::string> named = named_files(chain);
   RAYFIELD_ASSIGN(const Leftovers leftovers, Search(store, folder, named).run());
+  RAYFIELD_CHECK(check_history(chain, leftovers, folder));
   GarbageReport report = report_of(leftovers, options);
   if (options.dry_run) return report;
   RAYFIELD_CHECK(carry_out(store, folder, leftovers, options));

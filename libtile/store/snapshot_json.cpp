@@ -73,7 +73,7 @@ ScanAlignment parse_alignment(const Json& json) {
   alignment.verdict = known->first;
   for (int i = 0; i < 3; ++i) alignment.offset_m[i] = json.at("offset_m").at(i).get<double>();
   for (int i = 0; i < 2; ++i) alignment.pivot_m[i] = json.at("pivot_m").at(i).get<double>();
-  alignment.landmarks = json.at("landmarks").get<int>();
+  alignment.landmarks = json.value("landmarks", 0);
   for (const auto& [key, member] : kAlignmentNumbers)
     alignment.*member = json.value(key, std::numeric_limits<double>::quiet_NaN());
   return alignment;
@@ -205,11 +205,14 @@ Json to_json(const Snapshot& snapshot) {
   Json scans = Json::array(), registry = Json::array();
   for (const ScanEntry& scan : snapshot.scans) scans.push_back(scan_json(scan));
   for (const DerivedEntry& derived : snapshot.registry) registry.push_back(derived_json(derived));
-  return {{"format", kSnapshotFormat},           {"version", kVersion},
-          {"number", snapshot.number},           {"parent", snapshot.parent},
-          {"created_utc", snapshot.created_utc}, {"software_version", snapshot.software_version},
-          {"command", snapshot.command},         {"scans", std::move(scans)},
-          {"registry", std::move(registry)}};
+  Json json = {{"format", kSnapshotFormat},           {"version", kVersion},
+               {"number", snapshot.number},           {"parent", snapshot.parent},
+               {"created_utc", snapshot.created_utc}, {"software_version", snapshot.software_version},
+               {"command", snapshot.command}};
+  for (const SnapshotRange& range : snapshot.lost) json["lost"].push_back({range.first, range.last});
+  json["scans"] = std::move(scans);
+  json["registry"] = std::move(registry);
+  return json;
 }
 
 Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) {
@@ -220,10 +223,21 @@ Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) 
     snapshot.created_utc = json.at("created_utc").get<std::string>();
     snapshot.software_version = json.at("software_version").get<std::string>();
     snapshot.command = json.at("command").get<std::string>();
+    if (json.contains("lost"))
+      for (const Json& range : json.at("lost"))
+        snapshot.lost.push_back({range.at(0).get<std::uint64_t>(), range.at(1).get<std::uint64_t>()});
     for (const Json& scan : json.at("scans")) snapshot.scans.push_back(parse_scan(scan));
     for (const Json& derived : json.at("registry")) snapshot.registry.push_back(parse_derived(derived));
     return snapshot;
   });
+}
+
+std::optional<ScanAlignment> alignment_from_file(const std::string& text) {
+  try {
+    return parse_alignment(Json::parse(text));
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 Json to_json(const StoreConfig& config) {

@@ -113,6 +113,13 @@ TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   }
 }
 
+TEST(SnapshotJson, LostSnapshotsComeBackAndAreAbsentWhereThereAreNone) {
+  Snapshot snapshot = sample_snapshot();
+  EXPECT_FALSE(to_json(snapshot).contains("lost")) << "as older versions wrote it";
+  snapshot.lost = {{2, 2}, {4, 6}};
+  EXPECT_EQ(snapshot_from_json(to_json(snapshot), "x")->lost, snapshot.lost);
+}
+
 TEST(SnapshotJson, AnyMissingKeyIsDamageNotACrash) {
   const auto whole = to_json(sample_snapshot());
   for (const auto& [key, value] : whole.items()) {
