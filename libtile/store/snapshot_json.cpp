@@ -4,10 +4,12 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "libtile/files/store_layout.h"
+#include "rayfield/core/date.h"
 
 namespace rayfield::tile {
 namespace {
@@ -176,6 +178,27 @@ ScanEntry parse_scan(const Json& json) {
   return scan;
 }
 
+// A name becomes a folder: what is none, or stands for two things, is not to be written to or deleted.
+void check_derived_names(const std::vector<DerivedEntry>& entries) {
+  for (const DerivedEntry& entry : entries)
+    if (!layout::is_plain_name(entry.kind) || !layout::is_plain_name(entry.name))
+      throw std::runtime_error("'" + entry.kind + "/" + entry.name + "' is no name of derived data");
+}
+
+void check_names(const Snapshot& snapshot) {
+  std::set<std::string> ids;
+  for (const ScanEntry& scan : snapshot.scans) {
+    if (!layout::is_plain_name(scan.scan_id) || !parse_date(scan.date) || scan.scan_id.substr(0, 10) != scan.date)
+      throw std::runtime_error("'" + scan.scan_id + "' of " + scan.date + " is no id of a scan");
+    if (!ids.insert(scan.scan_id).second) throw std::runtime_error("scan '" + scan.scan_id + "' stands there twice");
+    check_derived_names(scan.derived);
+    for (const AttachmentEntry& attachment : scan.attachments)
+      if (!layout::is_plain_name(attachment.name))
+        throw std::runtime_error("'" + attachment.name + "' is no name of a file kept with a scan");
+  }
+  check_derived_names(snapshot.registry);
+}
+
 // Runs `parse` on a document of that format; whatever is wrong with the document becomes an error.
 template <class T, class Parse>
 Result<T> parse_document(const Json& json, const char* format, const std::string& where, const Parse& parse) {
@@ -228,6 +251,7 @@ Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) 
         snapshot.lost.push_back({range.at(0).get<std::uint64_t>(), range.at(1).get<std::uint64_t>()});
     for (const Json& scan : json.at("scans")) snapshot.scans.push_back(parse_scan(scan));
     for (const Json& derived : json.at("registry")) snapshot.registry.push_back(parse_derived(derived));
+    check_names(snapshot);
     return snapshot;
   });
 }
