@@ -38,7 +38,7 @@ tl::unexpected<Error> bad_crs(const std::string& code, std::string_view why) {
       "give a projected CRS in metres, e.g. EPSG:7854 (GDA2020 / MGA zone 54) or EPSG:32633 (WGS 84 / UTM zone 33N)");
 }
 
-constexpr double kScaleTolerance = 0.01, kMaxConvergence_deg = 60, kMaxOutside_deg = 10;
+constexpr double kScaleTolerance = 0.01, kMaxConvergence_deg = 60, kMaxOutside_deg = 10, kNearOrigin_m = 1000;
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
@@ -197,7 +197,8 @@ Result<void> check_crs_scale(const std::string& code) {
   int off = 0;
   double worst = 1;
   for (int i = 0; i < kSteps * kSteps; ++i) {
-    const double north = (0.5 + i / kSteps) / kSteps, east = (0.5 + i % kSteps) / kSteps;
+    const int line = i / kSteps, column = i % kSteps;
+    const double north = (0.5 + line) / kSteps, east = (0.5 + column) / kSteps;
     const Eigen::Vector3d p = frame.map_from_geodetic(
         {area->south_deg + north * (area->north_deg - area->south_deg), area->west_deg + east * width_deg, 0});
     const double scale = frame.scale_factor(p);
@@ -235,7 +236,7 @@ Result<std::optional<std::string>> check_map_place(const std::string& code, cons
   RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(code));
   const Eigen::Vector3d llh = frame.geodetic_from_map(p);
   const std::string point = fmt::format("easting {:.1f}, northing {:.1f}", p.x(), p.y());
-  constexpr std::string_view kNext = "check whether they are in degrees, in feet or in another CRS";
+  constexpr std::string_view kNext = "check whether they are in degrees, in feet, in a local frame or in another CRS";
   if (!llh.allFinite())
     return fail(ErrorCode::usage, "cannot use coordinates", point, "no place on Earth has them in " + code, kNext);
   const ContextPtr context = make_context();
@@ -245,7 +246,9 @@ Result<std::optional<std::string>> check_map_place(const std::string& code, cons
   const std::string place =
       fmt::format("latitude {:.4f}, longitude {:.4f}, {:.1f}° outside of the area that it is made for", llh.x(),
                   llh.y(), outside_deg);
-  if (outside_deg > kMaxOutside_deg)
+  // UTM's own origin lies on the equator beside the zone: who is there has degrees, or metres of his own.
+  const bool at_origin = outside_deg > 0 && p.head<2>().norm() < kNearOrigin_m;
+  if (outside_deg > kMaxOutside_deg || at_origin)
     return fail(ErrorCode::usage, "cannot use coordinates", point, fmt::format("in {} that is {}", code, place), kNext);
   RAYFIELD_CHECK(check_crs_suits(code, llh));
   if (outside_deg == 0) return std::optional<std::string>();

@@ -38,8 +38,9 @@ class ScanPlace : public testing::Test {
 };
 
 TEST_F(ScanPlace, ACloudInDegreesFeetOrALocalFrameIsRefusedWithTheReason) {
-  expect_refused(9.0, 47.0, "in degrees, in feet or in another CRS");
-  expect_refused(500000 / 0.3048, 5200000 / 0.3048, "in degrees, in feet or in another CRS");
+  expect_refused(9.0, 47.0, "in degrees, in feet, in a local frame");
+  expect_refused(120, 40, "in degrees, in feet, in a local frame");
+  expect_refused(500000 / 0.3048, 5200000 / 0.3048, "in degrees, in feet, in a local frame");
   expect_refused(2600000, 1200000, "CRS");  // the Swiss grid
 }
 

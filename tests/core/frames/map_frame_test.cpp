@@ -126,6 +126,8 @@ TEST(CheckMapPlace, TellsCoordinatesThatAreNoneOfTheCrs) {
     ASSERT_FALSE(place) << p.transpose();
     EXPECT_EQ(place.error().code, ErrorCode::usage);
   }
+  EXPECT_FALSE(check_map_place("EPSG:32632", {8.4, 47.3, 400})) << "degrees, in a zone of the northern hemisphere";
+  EXPECT_TRUE(check_map_place("EPSG:2154", {700000, 6600000, 0}));
   const auto mercator = check_map_place("EPSG:3857", {935085, 5987771, 400});
   ASSERT_FALSE(mercator);
   EXPECT_THAT(mercator.error().line(), testing::HasSubstr("a metre is 1.47"));

@@ -38,7 +38,8 @@ Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& lat
 
 /// The same for a place on the map, as the rays of a cloud have it: they may be in degrees, feet or another CRS.
 /// A warning where the place lies outside of the area that the CRS is made for, as that of a neighbouring UTM zone.
-/// Errors: usage, as check_crs_suits(), and where the place lies more than 10° outside.
+/// Errors: usage, as check_crs_suits(), and where the place lies more than 10° outside, or
+/// outside and within 1 km of the grid's origin.
 Result<std::optional<std::string>> check_map_place(const std::string& code, const Eigen::Vector3d& p_in_map);
 
 /// A projected CRS tied to the geographic datum under it and to a local tangent plane.
