@@ -14,13 +14,14 @@ Result<tile::Store> open_or_make(const BlockUpdate& block) {
   std::error_code error;
   if (block.crs.empty() || std::filesystem::exists(block.store / "store.json", error))
     return tile::Store::open(block.store);
-  RAYFIELD_CHECK(lookup_projected_crs(block.crs));
-  return tile::Store::create(block.store, {.crs = block.crs});
+  RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(block.crs));
+  RAYFIELD_CHECK(check_crs_scale(crs.code));
+  return tile::Store::create(block.store, {.crs = crs.code});
 }
 
 // A store that is there already has to be in the CRS that is asked for.
 Result<void> check_crs(const tile::Store& store, const BlockUpdate& block) {
-  if (block.crs.empty() || block.crs == store.config().crs) return {};
+  if (block.crs.empty() || same_crs(block.crs, store.config().crs)) return {};
   return fail(ErrorCode::usage, "cannot update the block", block.store.string(),
               "it is in " + store.config().crs + ", not in " + block.crs, "give its own CRS, or leave it out");
 }

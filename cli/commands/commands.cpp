@@ -21,6 +21,7 @@ void add_all_commands(Commands& commands) {
   add_remove_command(commands);
   add_revert_command(commands);
   add_verify_command(commands);
+  add_repair_command(commands);
   add_gc_command(commands);
 }
 

@@ -18,6 +18,7 @@ void add_update_command(Commands& commands);
 void add_remove_command(Commands& commands);
 void add_revert_command(Commands& commands);
 void add_verify_command(Commands& commands);
+void add_repair_command(Commands& commands);
 void add_status_command(Commands& commands);
 void add_log_command(Commands& commands);
 void add_gc_command(Commands& commands);

@@ -13,11 +13,25 @@
 namespace rayfield::cli {
 namespace {
 
+// Where the survey lies, the CRS has to be true to scale.
+Result<void> check_place(const SurveyedBlock& survey, const std::string& crs, Progress& progress) {
+  std::optional<Eigen::Vector2d> place;
+  if (!survey.posts.empty()) place = survey.posts.front().position;
+  for (const SurveyedRow& row : survey.rows)
+    if (!place && !row.line.empty()) place = row.line.front();
+  if (!place) return {};
+  RAYFIELD_ASSIGN(const auto warning, check_map_place(crs, {place->x(), place->y(), 0}));
+  if (warning) progress.warn(*warning);
+  return {};
+}
+
 // Reads the reference before the store is made: what is wrong with it must not leave a store behind.
-Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& config, const std::string& reference,
+Result<Outcome> run_init(const std::string& folder, tile::StoreConfig config, const std::string& reference,
                          const Context& context) {
   RAYFIELD_CHECK(config.validate());
   RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(config.crs));
+  RAYFIELD_CHECK(check_crs_scale(crs.code));
+  config.crs = crs.code;
   if (std::filesystem::exists(std::filesystem::path(folder) / "store.json"))
     return fail(ErrorCode::usage, "cannot make a store", folder, "there is one already",
                 "see `rayfield status`, or give another folder");
@@ -25,6 +39,7 @@ Result<Outcome> run_init(const std::string& folder, const tile::StoreConfig& con
   if (!reference.empty()) {
     RAYFIELD_ASSIGN(survey, formats::read_reference_file(reference, config.crs));
     RAYFIELD_CHECK(density::check_survey(*survey));
+    RAYFIELD_CHECK(check_place(*survey, crs.code, context.progress));
   }
   density::ImportReport taken;
   if (!context.options.dry_run) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -44,6 +45,31 @@ Result<density::ProcessOptions> options_of(const ProcessArguments& arguments, co
   return options;
 }
 
+nlohmann::ordered_json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+// "plant area 27.3 m²"; what is undefined is never told as a number.
+std::string plant_area_text(const density::ScanReport& scan) {
+  const double percent = 100 * scan.observed_fraction;
+  if (!std::isfinite(scan.plant_area_m2))
+    return fmt::format("plant area undefined: two rays crossed {:.0f} % of the voxels in its {} panels", percent,
+                       scan.panels);
+  std::string text = fmt::format("plant area {:.1f} m²", scan.plant_area_m2);
+  if (scan.panels_with_value < scan.panels)
+    text += fmt::format(" in {} of {} panels, undefined in the others ({:.0f} % observed)", scan.panels_with_value,
+                        scan.panels, percent);
+  return text;
+}
+
+nlohmann::ordered_json failures_json(const density::ProcessReport& report) {
+  auto list = nlohmann::ordered_json::array();
+  for (const density::FailedScan& failed : report.failed)
+    list.push_back(
+        {{"scan_id", failed.scan_id}, {"code", static_cast<int>(failed.error.code)}, {"error", failed.error.line()}});
+  return list;
+}
+
 // Processes the store and reports per scan; a dry run only names the scans.
 Result<Outcome> run_process(const ProcessArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(const density::ProcessOptions options, options_of(arguments, context));
@@ -70,7 +96,10 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
   for (const density::ScanReport& scan : report.scans) {
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
-                                     {"plant_area_m2", scan.plant_area_m2},
+                                     {"plant_area_m2", number_or_null(scan.plant_area_m2)},
+                                     {"panels", scan.panels},
+                                     {"panels_with_value", scan.panels_with_value},
+                                     {"observed_fraction", scan.observed_fraction},
                                      {"leaf_area_m2", nullptr},
                                      {"wood_scan_id", nullptr},
                                      {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
@@ -85,10 +114,16 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
       leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
       leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
     }
-    outcome.text += fmt::format("  {}  plant area {:.1f} m²{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n",
-                                scan.scan_id, scan.plant_area_m2, leaf_area, 1e4 * scan.leaf_size_m2,
-                                100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
+    outcome.text +=
+        fmt::format("  {}  {}{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n", scan.scan_id, plant_area_text(scan),
+                    leaf_area, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
+  }
+  outcome.data["failed"] = failures_json(report);
+  for (const density::FailedScan& failed : report.failed) {
+    context.progress.warn(failed.error.line());
+    outcome.text += fmt::format("  {}  failed: {}\n", failed.scan_id, failed.error.line());
+    outcome.data["exit_code"] = static_cast<int>(report.failed.front().error.code);
   }
   outcome.data["outdated_leaf_areas"] = report.outdated_leaf_areas;
   if (!report.outdated_leaf_areas.empty())

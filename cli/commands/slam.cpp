@@ -21,14 +21,18 @@ struct SlamArguments {
   std::vector<std::string> settings;
 };
 
-Result<void> check_paths(const SlamArguments& arguments, bool overwrite) {
+std::vector<OutputPath> outputs_of(const SlamArguments& arguments) {
   std::vector<OutputPath> outputs{{"-o", "cannot write ray cloud", arguments.cloud}};
   for (const auto& [option, what, path] : {std::tuple("--trajectory", "cannot write trajectory", &arguments.trajectory),
                                            std::tuple("--report", "cannot write report", &arguments.report),
                                            std::tuple("--picture", "cannot write picture", &arguments.picture)})
     if (!path->empty()) outputs.push_back({option, what, *path});
+  return outputs;
+}
+
+Result<void> check_paths(const SlamArguments& arguments, bool overwrite) {
   const std::array<std::string, 3> inputs{arguments.log, arguments.rig, arguments.given};
-  return check_outputs(outputs, inputs, overwrite);
+  return check_outputs(outputs_of(arguments), inputs, overwrite);
 }
 
 // What --dry-run says: reads the log once, as the run would, and bounds what the cloud will take.
@@ -44,9 +48,9 @@ Result<Outcome> describe_slam(const SlamArguments& arguments, Progress& progress
   return outcome;
 }
 
-// Streams the rays into the cloud; counts them in plan for the picture.
-Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& arguments, Grid2<std::uint32_t>& hits,
-                                 Progress& progress) {
+// Streams the rays into the cloud, which is not there yet under its name; counts them in plan for the picture.
+Result<formats::PlyWriter> write_rays(RegisteredDrive& drive, const SlamArguments& arguments,
+                                      Grid2<std::uint32_t>& hits, Progress& progress) {
   // A cloud in a local frame says so, lest it be added to a store as if it were in the store's CRS.
   const std::string& crs = drive.trajectory->crs;
   RAYFIELD_ASSIGN(formats::PlyWriter cloud,
@@ -62,8 +66,7 @@ Result<std::uint64_t> write_rays(RegisteredDrive& drive, const SlamArguments& ar
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", arguments.cloud, "", "run the same command again");
   }
-  RAYFIELD_CHECK(cloud.close());
-  return cloud.ray_count();
+  return cloud;
 }
 
 std::filesystem::path scratch_beside(const std::string& output) {
@@ -71,8 +74,8 @@ std::filesystem::path scratch_beside(const std::string& output) {
   return folder.empty() ? "." : folder;
 }
 
-// Paths, CRS and options are checked before the log is read. The cloud is streamed; what the run says of itself
-// follows.
+// Paths, CRS and options are checked before the log is read. The cloud is streamed, and
+// appears last: where it is, so is all the rest.
 Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& context) {
   RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));
   if (!arguments.crs.empty()) RAYFIELD_CHECK(lookup_projected_crs(arguments.crs));
@@ -91,7 +94,8 @@ Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& 
   RegisteredDrive& drive = *registered;
   Grid2<std::uint32_t> hits;
   if (!arguments.picture.empty()) hits = slam::plan_grid(*drive.trajectory, 15.0, 0.1);
-  RAYFIELD_ASSIGN(const std::uint64_t rays, write_rays(drive, arguments, hits, context.progress));
+  NewOutputs outputs(outputs_of(arguments));
+  RAYFIELD_ASSIGN(formats::PlyWriter cloud, write_rays(drive, arguments, hits, context.progress));
   if (!arguments.trajectory.empty())
     RAYFIELD_CHECK(
         formats::write_trajectory(arguments.trajectory, {drive.trajectory->poses, drive.trajectory->crs, "IMU"}));
@@ -99,6 +103,10 @@ Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& 
     RAYFIELD_CHECK(
         formats::write_text_file(arguments.report, slam::report_json(drive.report) + "\n", "cannot write report"));
   if (!arguments.picture.empty()) RAYFIELD_CHECK(write_drive_picture(drive, hits, arguments.picture));
+
+  RAYFIELD_CHECK(cloud.close());
+  outputs.keep();
+  const std::uint64_t rays = cloud.ray_count();
 
   for (const std::string& warning : drive.rays->warnings()) context.progress.warn(warning);
   if (context.options.json)  // else they stand in the summary

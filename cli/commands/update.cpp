@@ -42,6 +42,11 @@ ordered_json to_json(const BlockUpdate& block, const UpdateReport& report) {
                        {"panels", report.processed.panels},
                        {"files_made", files_made(report.processed)},
                        {"snapshot", report.snapshot}};
+  if (!report.processed.failed.empty()) {
+    json["failed"] = ordered_json::array();
+    for (const density::FailedScan& scan : report.processed.failed)
+      json["failed"].push_back({{"scan_id", scan.scan_id}, {"error", scan.error.line()}});
+  }
   if (!report.exported) return json;
   json["products_written"] = report.exported->written;
   json["products"] = ordered_json::array();
@@ -56,14 +61,22 @@ std::string to_text(const UpdateReport& report) {
                                  scan.already_there ? "there already" : grouped(scan.ray_count) + " rays added");
   const std::size_t made = files_made(report.processed);
   text += made == 0 ? "; nothing to process" : fmt::format("; {} files made", made);
+  for (const density::FailedScan& failed : report.processed.failed) text += "; " + failed.scan_id + " failed";
   if (report.exported)
     text += report.exported->written == 0 ? "; products as they were"
                                           : fmt::format("; {} products written", report.exported->written);
   return text;
 }
 
+// The code of the first scan that could not be processed.
+std::optional<ErrorCode> failure_of(const UpdateReport& report) {
+  if (report.processed.failed.empty()) return std::nullopt;
+  return report.processed.failed.front().error.code;
+}
+
 // Warnings of the scan that were not shown while it was read.
 void show_warnings(const UpdateReport& report, Progress& progress) {
+  for (const density::FailedScan& scan : report.processed.failed) progress.warn(scan.error.line());
   if (report.added.report.already_there) return;
   const std::vector<std::string>& shown = report.added.shown_warnings;
   for (const std::string& warning : report.added.report.warnings)
@@ -92,7 +105,9 @@ Result<Outcome> run_single(const UpdateArguments& arguments, const Context& cont
   if (context.options.dry_run) return describe(block);
   RAYFIELD_ASSIGN(const UpdateReport report, update_block(block, options_of(context), context.progress));
   show_warnings(report, context.progress);
-  return Outcome{to_json(block, report), to_text(report) + "\n"};
+  Outcome outcome{to_json(block, report), to_text(report) + "\n"};
+  if (const auto failed = failure_of(report)) outcome.data["exit_code"] = static_cast<int>(*failed);
+  return outcome;
 }
 
 // One line of the table that a batch ends with.
@@ -145,6 +160,7 @@ Result<Outcome> run_batch(const std::string& list, const Context& context) {
       show_warnings(*report, context.progress);
       outcome.data["blocks"].push_back(to_json(block, *report));
       rows.push_back({name, "done", to_text(*report)});
+      if (!failed) failed = failure_of(*report);
       continue;
     }
     const Error& error = report.error();

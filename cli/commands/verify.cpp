@@ -24,7 +24,7 @@ Result<Outcome> run_verify(const std::string& folder, bool all, const Context& c
   } else {
     outcome.text += fmt::format(
         "{} damaged file{}; derived files come back with `rayfield process`, ray tiles need the "
-        "scan to be added again with --overwrite\n",
+        "scan to be added again with --overwrite, snapshots need `rayfield repair`\n",
         damages.size(), damages.size() == 1 ? "" : "s");
     outcome.data["exit_code"] = static_cast<int>(ErrorCode::damaged);
   }
@@ -36,7 +36,7 @@ Result<Outcome> run_verify(const std::string& folder, bool all, const Context& c
 void add_verify_command(Commands& commands) {
   const auto all = std::make_shared<bool>(false);
   CLI::App* command = add_store_command(
-      commands, "verify", "Check every file of a store against its size and SHA-256; exit code 4 if one is damaged",
+      commands, "verify", "Check the history and every file of a store; exit code 4 if something is damaged or missing",
       [all](const std::string& folder, Context& context) { return run_verify(folder, *all, context); });
   command->add_flag("--all", *all, "Also files that only older snapshots name");
 }

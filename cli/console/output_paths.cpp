@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
+#include <system_error>
 
 #include "rayfield/core/file.h"
 
@@ -64,6 +66,29 @@ Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const 
     RAYFIELD_CHECK(check_folder(output));
   }
   return {};
+}
+
+Result<void> make_output_folder(const fs::path& folder) {
+  constexpr std::string_view kWhat = "cannot make folder", kNext = "give another -o";
+  std::error_code failed;
+  std::vector<fs::path> made;  // the deepest first
+  for (fs::path path = fs::absolute(folder, failed).lexically_normal(); !failed && !fs::exists(path, failed) && !failed;
+       path = path.parent_path())
+    if (path.has_filename()) made.push_back(path);
+  if (!failed) fs::create_directories(folder, failed);
+  if (failed) return fail_errno(failed.value(), kWhat, folder.string(), kNext);
+  for (const fs::path& path : made) RAYFIELD_CHECK(sync_directory(path.parent_path().string(), kWhat, kNext));
+  return {};
+}
+
+NewOutputs::NewOutputs(std::span<const OutputPath> outputs) {
+  std::error_code ignored;
+  for (const OutputPath& output : outputs)
+    if (!fs::exists(fs::symlink_status(output.path, ignored))) paths_.push_back(output.path);
+}
+
+NewOutputs::~NewOutputs() {
+  for (const std::string& path : paths_) ::unlink(path.c_str());
 }
 
 }  // namespace rayfield::cli

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "rayfield/core/result.h"
 
@@ -18,5 +20,22 @@ struct OutputPath {
 /// can be written to, is not there already (unless `overwrite`), and is neither one of `inputs` nor given twice.
 /// Errors: usage, resources (no permission, no space for a file).
 Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite);
+
+/// Makes a folder for products and those above it, and their names durable. Errors: as fail_errno().
+Result<void> make_output_folder(const std::filesystem::path& folder);
+
+/// Outputs that are not there yet. What of them has appeared is removed again unless keep() is called: a command that
+/// failed half-way can be run again as it was.
+class NewOutputs {
+ public:
+  explicit NewOutputs(std::span<const OutputPath> outputs);
+  NewOutputs(const NewOutputs&) = delete;
+  NewOutputs& operator=(const NewOutputs&) = delete;
+  ~NewOutputs();
+  void keep() { paths_.clear(); }
+
+ private:
+  std::vector<std::string> paths_;
+};
 
 }  // namespace rayfield::cli

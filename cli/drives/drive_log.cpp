@@ -119,7 +119,7 @@ Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::str
                                           Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
   RAYFIELD_ASSIGN(formats::Trajectory given, formats::read_trajectory(trajectory_file));
-  if (!crs.empty() && !given.crs.empty() && given.crs != crs)
+  if (!crs.empty() && !given.crs.empty() && !same_crs(given.crs, crs))
     return fail(ErrorCode::usage, "cannot use trajectory", trajectory_file,
                 fmt::format("it is in {}, not in {}", given.crs, crs), "transform it");
   RAYFIELD_ASSIGN(slam::Trajectory trajectory,

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "cli/console/output_paths.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
 
@@ -65,9 +66,7 @@ Result<void> write_change_map(Products& p, const std::string& name) {
 }
 
 Result<void> write_products(Products& p, Progress& progress) {
-  std::error_code failed;
-  fs::create_directories(p.folder, failed);
-  if (failed) return fail_errno(failed.value(), "cannot make folder", p.folder.string(), "give another -o");
+  RAYFIELD_CHECK(make_output_folder(p.folder));
   progress.stage("compare", 4, "steps");
   RAYFIELD_CHECK(write_scatter(p));
   progress.advance(1);

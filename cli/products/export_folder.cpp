@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "cli/console/output_paths.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/text_file.h"
 #include "version.h"
@@ -36,9 +37,7 @@ ExportFolder::ExportFolder(fs::path folder, std::string block, bool keep, format
 std::string ExportFolder::list_name() const { return block_ + "_products.json"; }
 
 Result<ExportFolder> ExportFolder::open(const fs::path& folder, const std::string& block, bool keep) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) return fail_errno(failed.value(), "cannot make folder", folder.string(), "give another -o");
+  RAYFIELD_CHECK(make_output_folder(folder));
   RAYFIELD_ASSIGN(formats::ProductFolder products,
                   formats::ProductFolder::create(folder.string(), block + "_products.json", kWhat));
   return ExportFolder(folder, block, keep, std::move(products));

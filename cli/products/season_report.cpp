@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/console/output_paths.h"
 #include "rayfield/density/load.h"
 #include "rayfield/density/season.h"
 #include "rayfield/formats/formats.h"
@@ -80,9 +81,7 @@ Result<SeasonReport> report_season(const tile::Store& store, const std::optional
                 "add and process another");
   SeasonReport report{density::season_values(block), {}};
   if (!folder) return report;
-  std::error_code failed;
-  fs::create_directories(*folder, failed);
-  if (failed) return fail_errno(failed.value(), "cannot make folder", folder->string(), "give another -o");
+  RAYFIELD_CHECK(make_output_folder(*folder));
   progress.stage("season", block.rows.size() + 1, "pictures");
   report.files.push_back(*folder / (block.block + "_season.csv"));
   RAYFIELD_CHECK(formats::write_season_csv(report.values, report.files.back().string()));

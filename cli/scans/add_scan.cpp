@@ -8,7 +8,9 @@
 #include "cli/drives/drive_log.h"
 #include "cli/scans/align_scan.h"
 #include "cli/scans/scan_date.h"
+#include "cli/scans/scan_place.h"
 #include "rayfield/core/file.h"
+#include "rayfield/core/map_frame.h"
 #include "rayfield/core/parallel.h"
 #include "rayfield/density/missing_rays.h"
 #include "rayfield/formats/formats.h"
@@ -106,7 +108,7 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in a local frame, the store in {}", crs),
                 "register its log with GPS and --crs " + crs);
-  if (reader->crs() && *reader->crs() != crs)
+  if (reader->crs() && !same_crs(*reader->crs(), crs))
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
                 "transform it, or make a store in its CRS");
@@ -124,6 +126,13 @@ Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, 
     return {};
   }));
   return entries;
+}
+
+// The id of the scan that this one takes the place of; empty where there is none.
+std::string id_of_same_name(const tile::Snapshot& snapshot, const tile::AddOptions& options) {
+  for (const tile::ScanEntry& scan : snapshot.scans)
+    if (scan.date == options.date && scan.name == options.name) return scan.scan_id;
+  return {};
 }
 
 // A scan that shall not be aligned is the reference all the same where it is the first.
@@ -155,11 +164,15 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   if (!inputs.rig_file.empty()) {
     RAYFIELD_ASSIGN(options.beam, formats::read_rig_beam(inputs.rig_file));
   }
+  RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
+  const std::string replaced = id_of_same_name(latest, options);
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
   for (const fs::path& path : inputs.files) {
     RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
                                           warnings, options.attachments, options.beam));
+    RAYFIELD_ASSIGN(const auto warning, check_scan_place(*part, store.config().crs, latest, replaced));
+    if (warning) warnings.push_back(*warning);
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts), warnings);

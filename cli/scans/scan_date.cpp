@@ -11,7 +11,7 @@
 namespace rayfield::cli {
 namespace {
 
-constexpr double kYear2000_s = 946684800, kHour_s = 3600;
+constexpr double kYear2000_s = 946684800, kHour_s = 3600, kMostTime_s = 1e11;
 constexpr double kCivilFromSun_h = 3;  // Xinjiang and western Spain in summer are 2.5 h to 3 h ahead of the sun
 
 std::string day_of(double time_s) { return utc_text(time_s).substr(0, 10); }
@@ -32,7 +32,7 @@ std::optional<std::string> date_warning(const std::string& date, double start_s,
 Result<std::size_t> DatedSource::read(RayBatch& batch, std::size_t max_rays) {
   RAYFIELD_ASSIGN(const std::size_t count, source_.read(batch, max_rays));
   for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(batch.time_s[i])) continue;
+    if (!(std::abs(batch.time_s[i]) <= kMostTime_s)) continue;  // the store leaves these out
     first_s_ = std::min(first_s_, batch.time_s[i]), last_s_ = std::max(last_s_, batch.time_s[i]);
     if (!place_ && batch.origin[i].allFinite()) place_ = batch.origin[i];
   }

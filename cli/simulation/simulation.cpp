@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cli/simulation/staged_folder.h"
 #include "rayfield/formats/formats.h"
 
 namespace rayfield::cli {
@@ -62,14 +63,13 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
                                     const SimulationOutput& output, Progress& progress) {
   const sim::SiteDate& date = site.dates[index];
   SimulatedScan scan{folder / scan_folder_name(date), date.date, date.name, {}, 0, {}};
-  std::error_code failed;
-  std::filesystem::create_directories(scan.folder, failed);
-  if (failed) return fail_errno(failed.value(), "cannot make folder", scan.folder.string());
+  RAYFIELD_ASSIGN(StagedFolder staged, StagedFolder::create(scan.folder));
+  const std::filesystem::path& made = staged.path();
 
   RAYFIELD_ASSIGN(const sim::World world, sim::build_world(site, index, output.threads, progress));
   RAYFIELD_ASSIGN(const sim::Drive drive, sim::plan_drive(world));
   RAYFIELD_ASSIGN(const sim::Truth truth, sim::truth(world, drive));
-  RAYFIELD_CHECK(sim::write_truth(truth, scan.folder / "truth"));
+  RAYFIELD_CHECK(sim::write_truth(truth, made / "truth"));
   scan.leaf_area_m2 = truth.leaf_area_m2;
   scan.panels = truth.panels;
 
@@ -78,8 +78,8 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
   std::optional<BagSink> bag;
   SensorSink nowhere;
   if (output.log) {
-    RAYFIELD_CHECK(formats::write_rig((scan.folder / "rig.toml").string(), rig));
-    auto opened = formats::SensorLogWriter::create((scan.folder / "scan.bag").string(), rig);
+    RAYFIELD_CHECK(formats::write_rig((made / "rig.toml").string(), rig));
+    auto opened = formats::SensorLogWriter::create((made / "scan.bag").string(), rig);
     if (!opened) return tl::make_unexpected(std::move(opened).error());
     log.emplace(std::move(*opened));
     bag.emplace(*log, site);
@@ -87,7 +87,7 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
   std::optional<formats::PlyWriter> cloud;
   sim::RayCallback on_rays;
   if (output.rays) {
-    auto opened = formats::PlyWriter::create((scan.folder / "rays.ply").string(), {site.crs_code(), rig.lidar.beam});
+    auto opened = formats::PlyWriter::create((made / "rays.ply").string(), {site.crs_code(), rig.lidar.beam});
     if (!opened) return tl::make_unexpected(std::move(opened).error());
     cloud.emplace(std::move(*opened));
     on_rays = [&cloud](const RayBatch& batch) { return cloud->write(batch); };
@@ -97,6 +97,7 @@ Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, co
   if (bag && bag->error()) return tl::make_unexpected(*bag->error());
   if (log) RAYFIELD_CHECK(log->close());
   if (cloud) RAYFIELD_CHECK(cloud->close());
+  RAYFIELD_CHECK(staged.publish());
   return scan;
 }
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 namespace rayfield {
@@ -37,6 +38,36 @@ tl::unexpected<Error> bad_crs(const std::string& code, std::string_view why) {
       "give a projected CRS in metres, e.g. EPSG:7854 (GDA2020 / MGA zone 54) or EPSG:32633 (WGS 84 / UTM zone 33N)");
 }
 
+constexpr double kScaleTolerance = 0.01, kMaxConvergence_deg = 60, kMaxOutside_deg = 10, kNearOrigin_m = 1000;
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
+  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+}
+
+// Latitudes and longitudes for which a CRS is made.
+struct AreaOfUse {
+  double west_deg = 0, south_deg = 0, east_deg = 0, north_deg = 0;
+
+  /// How far a place lies outside, in degrees; 0 inside.
+  double distance_deg(double latitude_deg, double longitude_deg) const {
+    const double width_deg = east_deg - west_deg + (east_deg < west_deg ? 360 : 0);
+    const double from_west_deg = longitude_deg - west_deg - 360 * std::floor((longitude_deg - west_deg) / 360);
+    const double beside_deg = from_west_deg <= width_deg ? 0 : std::min(from_west_deg - width_deg, 360 - from_west_deg);
+    return std::max({0.0, beside_deg, south_deg - latitude_deg, latitude_deg - north_deg});
+  }
+};
+
+std::optional<AreaOfUse> area_of(PJ_CONTEXT* context, const PJ* crs) {
+  constexpr double kUnknown = -1000;
+  AreaOfUse area;
+  if (proj_get_area_of_use(context, crs, &area.west_deg, &area.south_deg, &area.east_deg, &area.north_deg, nullptr) ==
+          0 ||
+      area.west_deg == kUnknown)
+    return std::nullopt;
+  return area;
+}
+
 // The horizontal part of a compound CRS, or the CRS itself.
 PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
   if (proj_get_type(crs.get()) == PJ_TYPE_COMPOUND_CRS) return PjPtr(proj_crs_get_sub_crs(context, crs.get(), 0));
@@ -44,7 +75,7 @@ PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
 }
 
 Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
-  PjPtr crs(proj_create(context, code.c_str()));
+  PjPtr crs(proj_create(context, trimmed(code).c_str()));
   if (!crs || !proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");
   crs = horizontal_part(context, std::move(crs));
   const PJ_TYPE type = proj_get_type(crs.get());
@@ -65,13 +96,22 @@ Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
   return crs;
 }
 
+// "EPSG:7854", also of a compound CRS; as given where it has no code.
+std::string code_of(PJ_CONTEXT* context, const std::string& given) {
+  const PjPtr crs(proj_create(context, trimmed(given).c_str()));
+  const char* authority = crs ? proj_get_id_auth_name(crs.get(), 0) : nullptr;
+  const char* code = crs ? proj_get_id_code(crs.get(), 0) : nullptr;
+  if (authority == nullptr || code == nullptr) return trimmed(given);
+  return std::string(authority) + ":" + code;
+}
+
 }  // namespace
 
 Result<CrsInfo> lookup_projected_crs(const std::string& code) {
   const ContextPtr context = make_context();
   RAYFIELD_ASSIGN(const PjPtr crs, open_projected(context.get(), code));
   CrsInfo info;
-  info.code = code;
+  info.code = code_of(context.get(), code);
   info.name = proj_get_name(crs.get());
   const char* wkt = proj_as_wkt(context.get(), crs.get(), PJ_WKT2_2019, nullptr);
   if (wkt != nullptr) info.wkt = wkt;
@@ -137,14 +177,49 @@ std::string utm_code(double latitude_deg, double longitude_deg) {
   return fmt::format("EPSG:{}", (latitude_deg < 0 ? 32700 : 32600) + zone);
 }
 
+bool same_crs(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  const ContextPtr context = make_context();
+  const auto first = open_projected(context.get(), a), second = open_projected(context.get(), b);
+  if (!first || !second) return false;
+  return code_of(context.get(), a) == code_of(context.get(), b) ||
+         proj_is_equivalent_to(first->get(), second->get(), PJ_COMP_EQUIVALENT) != 0;
+}
+
+Result<void> check_crs_scale(const std::string& code) {
+  constexpr int kSteps = 9;
+  RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(code));
+  const ContextPtr context = make_context();
+  RAYFIELD_ASSIGN(const PjPtr crs, open_projected(context.get(), code));
+  const auto area = area_of(context.get(), crs.get());
+  if (!area) return {};
+  const double width_deg = area->east_deg - area->west_deg + (area->east_deg < area->west_deg ? 360 : 0);
+  int off = 0;
+  double worst = 1;
+  for (int i = 0; i < kSteps * kSteps; ++i) {
+    const int line = i / kSteps, column = i % kSteps;
+    const double north = (0.5 + line) / kSteps, east = (0.5 + column) / kSteps;
+    const Eigen::Vector3d p = frame.map_from_geodetic(
+        {area->south_deg + north * (area->north_deg - area->south_deg), area->west_deg + east * width_deg, 0});
+    const double scale = frame.scale_factor(p);
+    if (std::abs(scale - 1) <= kScaleTolerance) continue;
+    ++off;
+    if (std::isfinite(scale) && std::abs(scale - 1) > std::abs(worst - 1)) worst = scale;
+  }
+  if (2 * off <= kSteps * kSteps) return {};
+  return bad_crs(frame.crs().code,
+                 fmt::format("in most of the area that it is made for a metre is not a metre on its grid (up to {:.3f} "
+                             "m), so areas would be wrong",
+                             worst));
+}
+
 Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& llh) {
-  constexpr double kTolerance = 0.01, kMaxConvergence_deg = 60;
   RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(code));
   const Eigen::Vector3d p = frame.map_from_geodetic(llh);
   const double scale = p.allFinite() ? frame.scale_factor(p) : std::numeric_limits<double>::quiet_NaN();
   // On the far side of the Earth a transverse Mercator is true to scale again, upside down.
   const double turned_deg = std::isfinite(scale) ? std::abs(frame.convergence_rad(p)) * 180 / std::numbers::pi : 0;
-  if (std::abs(scale - 1) <= kTolerance && turned_deg <= kMaxConvergence_deg) return {};
+  if (std::abs(scale - 1) <= kScaleTolerance && turned_deg <= kMaxConvergence_deg) return {};
   const std::string place = fmt::format("latitude {:.4f}, longitude {:.4f}", llh.x(), llh.y());
   const std::string utm = utm_code(llh.x(), llh.y());
   std::string why = fmt::format("it has no coordinates for {}", place);
@@ -155,6 +230,29 @@ Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& llh
                       turned_deg);
   return fail(ErrorCode::usage, "cannot use coordinate reference system", code, why,
               "give a CRS made for that place" + (utm.empty() ? utm : ", e.g. " + utm));
+}
+
+Result<std::optional<std::string>> check_map_place(const std::string& code, const Eigen::Vector3d& p) {
+  RAYFIELD_ASSIGN(const MapFrame frame, MapFrame::create(code));
+  const Eigen::Vector3d llh = frame.geodetic_from_map(p);
+  const std::string point = fmt::format("easting {:.1f}, northing {:.1f}", p.x(), p.y());
+  constexpr std::string_view kNext = "check whether they are in degrees, in feet, in a local frame or in another CRS";
+  if (!llh.allFinite())
+    return fail(ErrorCode::usage, "cannot use coordinates", point, "no place on Earth has them in " + code, kNext);
+  const ContextPtr context = make_context();
+  RAYFIELD_ASSIGN(const PjPtr crs, open_projected(context.get(), code));
+  const auto area = area_of(context.get(), crs.get());
+  const double outside_deg = area ? area->distance_deg(llh.x(), llh.y()) : 0;
+  const std::string place =
+      fmt::format("latitude {:.4f}, longitude {:.4f}, {:.1f}° outside of the area that it is made for", llh.x(),
+                  llh.y(), outside_deg);
+  // UTM's own origin lies on the equator beside the zone: who is there has degrees, or metres of his own.
+  const bool at_origin = outside_deg > 0 && p.head<2>().norm() < kNearOrigin_m;
+  if (outside_deg > kMaxOutside_deg || at_origin)
+    return fail(ErrorCode::usage, "cannot use coordinates", point, fmt::format("in {} that is {}", code, place), kNext);
+  RAYFIELD_CHECK(check_crs_suits(code, llh));
+  if (outside_deg == 0) return std::optional<std::string>();
+  return std::optional(fmt::format("{} in {} is {}: check the CRS", point, code, place));
 }
 
 struct TangentPlane::Impl {

@@ -6,6 +6,12 @@
 
 namespace rayfield {
 
+namespace {
+
+constexpr int kFirstYear = 1960, kLastYear = 2999;
+
+}  // namespace
+
 Result<std::string> parse_date(std::string_view text) {
   RAYFIELD_CHECK(parse_calendar_day(text));
   return std::string(text);
@@ -27,6 +33,7 @@ Result<std::chrono::year_month_day> parse_calendar_day(std::string_view text) {
   const std::chrono::year_month_day day{std::chrono::year{part[0]}, std::chrono::month{static_cast<unsigned>(part[1])},
                                         std::chrono::day{static_cast<unsigned>(part[2])}};
   if (!day.ok()) return bad("no such day in the calendar");
+  if (part[0] < kFirstYear || part[0] > kLastYear) return bad("no year in which a lidar could have measured");
   return day;
 }
 

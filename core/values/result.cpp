@@ -4,6 +4,36 @@
 #include <cstring>
 
 namespace rayfield {
+namespace {
+
+ErrorCode code_of_errno(int error_number) {
+  switch (error_number) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+    case EACCES:
+    case EPERM:
+    case EROFS:
+    case ENOMEM:
+    case EMFILE:
+    case ENFILE:
+    case ENOLCK:
+    // The device, or the way to it: the same input may be read once it is back.
+    case EIO:
+    case EREMOTEIO:
+    case ENODEV:
+    case ENXIO:
+    case ESTALE:
+    case ETIMEDOUT:
+    case EHOSTDOWN:
+    case ENOTCONN:
+      return ErrorCode::resources;
+    default:
+      return ErrorCode::bad_input;
+  }
+}
+
+}  // namespace
 
 std::string Error::line() const {
   std::string text = what;
@@ -28,25 +58,10 @@ tl::unexpected<Error> fail(ErrorCode code, std::string_view what, std::string_vi
 
 tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::string_view where,
                                  std::string_view next) {
-  ErrorCode code = ErrorCode::bad_input;
-  switch (error_number) {
-    case ENOSPC:
-    case EDQUOT:
-    case EACCES:
-    case EROFS:
-    case EPERM:
-    case ENOMEM:
-    case EMFILE:
-    case ENFILE:
-    case EFBIG:
-      code = ErrorCode::resources;
-      break;
-    default:
-      break;
-  }
   if (next.empty() && (error_number == ENOSPC || error_number == EDQUOT))
     next = "free some disk space and run the same command again";
-  return fail(code, what, where, std::strerror(error_number), next);
+  if (next.empty() && error_number == EIO) next = "check the disk and run the same command again";
+  return fail(code_of_errno(error_number), what, where, std::strerror(error_number), next);
 }
 
 }  // namespace rayfield

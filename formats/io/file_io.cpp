@@ -7,13 +7,15 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <random>
 #include <utility>
+
+#include "formats/io/staged_output.h"
 
 namespace rayfield::formats {
 namespace {
 
 constexpr std::size_t kWriteBuffer = std::size_t{1} << 20;
+constexpr std::string_view kStagedName = "file";
 
 }  // namespace
 
@@ -25,7 +27,7 @@ Result<InputFile> InputFile::open(const std::string& path, const std::string& wh
   return file;
 }
 
-FileWindow::FileWindow(InputFile file, std::size_t window_bytes) : file_(std::move(file)) {
+FileWindow::FileWindow(InputFile file, std::size_t window_bytes) : file_(std::move(file)), window_bytes_(window_bytes) {
   buffer_.resize(
       static_cast<std::size_t>(std::clamp<std::uint64_t>(file_.size(), 1, static_cast<std::uint64_t>(window_bytes))));
 }
@@ -39,7 +41,8 @@ Result<std::span<const std::byte>> FileWindow::view(std::uint64_t offset, std::s
       kept = static_cast<std::size_t>(start_ + filled_ - offset);
       std::memmove(buffer_.data(), buffer_.data() + (offset - start_), kept);
     }
-    if (count > buffer_.size()) buffer_.resize(count);
+    // With a window more than was asked for, as the next request of that size is likely to begin a little further on.
+    if (count > buffer_.size()) buffer_.resize(count + window_bytes_);
     start_ = offset;
     filled_ = kept;
     RAYFIELD_ASSIGN(const std::size_t got, file_.read_at(offset + kept, std::span(buffer_).subspan(kept)));
@@ -49,6 +52,7 @@ Result<std::span<const std::byte>> FileWindow::view(std::uint64_t offset, std::s
   return std::span<const std::byte>(buffer_).subspan(at, std::min(count, filled_ - at));
 }
 
+OutputFile::OutputFile() = default;
 OutputFile::OutputFile(OutputFile&& other) noexcept { *this = std::move(other); }
 
 OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
@@ -56,30 +60,26 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   std::swap(flushed_, other.flushed_);
   buffer_.swap(other.buffer_);
   path_.swap(other.path_);
-  temporary_.swap(other.temporary_);
+  staged_.swap(other.staged_);
   what_.swap(other.what_);
   return *this;
 }
 
-OutputFile::~OutputFile() {
-  if (descriptor_.valid()) ::unlink(temporary_.c_str());
-}
+OutputFile::~OutputFile() = default;
 
 Result<OutputFile> OutputFile::create(const std::string& path, const std::string& what) {
   OutputFile file;
   file.path_ = path;
   file.what_ = what;
-  std::random_device entropy;
-  for (int attempt = 0; attempt < 16; ++attempt) {
-    file.temporary_ = path + ".partial-" + std::to_string(entropy());
-    file.descriptor_ = FileDescriptor(::open(file.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-    if (file.descriptor_.valid()) break;
-    if (errno == ENOENT || errno == ENOTDIR) {
-      return fail(ErrorCode::usage, what, path, "there is no such folder", "make it, or give another path");
-    }
-    if (errno != EEXIST) return fail_errno(errno, what, path, "check that the folder can be written to");
-  }
-  if (!file.descriptor_.valid()) return fail_errno(EEXIST, what, path);
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    return fail(ErrorCode::usage, what, path, "there is no such folder", "make it, or give another path");
+  RAYFIELD_ASSIGN(StagedOutput staged, StagedOutput::create(path, what));
+  file.descriptor_ =
+      FileDescriptor(::open(staged.path(kStagedName).c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file.descriptor_.valid()) return fail_errno(errno, what, path, "check that the folder can be written to");
+  file.staged_ = std::make_unique<StagedOutput>(std::move(staged));
   file.buffer_.reserve(kWriteBuffer);
   return file;
 }
@@ -121,15 +121,10 @@ Result<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::by
 Result<void> OutputFile::commit() {
   if (!descriptor_.valid()) return fail(ErrorCode::internal, what_, path_, "the file was already finished");
   RAYFIELD_CHECK(flush());
-  RAYFIELD_CHECK(sync_file(descriptor_, what_, path_));
-  int error_number = descriptor_.close();
-  if (error_number == 0 && ::rename(temporary_.c_str(), path_.c_str()) != 0) error_number = errno;
-  if (error_number != 0) {
-    ::unlink(temporary_.c_str());
-    return fail_errno(error_number, what_, path_);
-  }
-  // A renamed file survives a power cut only once its folder has been synced too.
-  return sync_directory(std::filesystem::path(path_).parent_path().string(), what_);
+  if (const int error = descriptor_.close()) return fail_errno(error, what_, path_);
+  RAYFIELD_CHECK(staged_->publish(kStagedName));
+  staged_.reset();
+  return {};
 }
 
 }  // namespace rayfield::formats

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,7 +35,7 @@ class InputFile {
 };
 
 /// A window that slides over a file: bytes near each other are read once, in blocks. Memory stays at the size of the
-/// window or of the largest single request.
+/// window and of the largest single request.
 class FileWindow {
  public:
   explicit FileWindow(InputFile file, std::size_t window_bytes = std::size_t{1} << 20);
@@ -44,16 +45,19 @@ class FileWindow {
 
  private:
   InputFile file_;
+  std::size_t window_bytes_ = 0;
   std::vector<std::byte> buffer_;
   std::uint64_t start_ = 0;  ///< offset of the buffer's first byte in the file
   std::size_t filled_ = 0;
 };
 
-/// A file that appears under its name only when complete: written to a temporary name beside it (O_EXCL), synced,
-/// then renamed; removed if it is never committed. Every return of the system is checked.
+class StagedOutput;
+
+/// A file that appears under its name only when complete: a StagedOutput of one file, written through a buffer. What a
+/// killed program leaves is removed by the next one that writes the same file. Every return of the system is checked.
 class OutputFile {
  public:
-  OutputFile() = default;
+  OutputFile();
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   ~OutputFile();
@@ -77,7 +81,8 @@ class OutputFile {
   FileDescriptor descriptor_;
   std::uint64_t flushed_ = 0;
   std::vector<std::byte> buffer_;
-  std::string path_, temporary_, what_;
+  std::string path_, what_;
+  std::unique_ptr<StagedOutput> staged_;
 };
 
 }  // namespace rayfield::formats

@@ -14,6 +14,9 @@ tile::ArraySet to_arrays(const ScanTotals& totals) {
   tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
   arrays.columns["plant_area_m2"] = std::vector<double>{totals.plant_area_m2};
   arrays.columns["panel_length_m"] = std::vector<double>{totals.panel_length_m};
+  arrays.columns["panels"] = std::vector<std::int32_t>{totals.panels};
+  arrays.columns["panels_with_value"] = std::vector<std::int32_t>{totals.panels_with_value};
+  arrays.columns["observed_fraction"] = std::vector<double>{totals.observed_fraction};
   arrays.columns["holds_downward_misses"] =
       std::vector<std::uint8_t>{static_cast<std::uint8_t>(totals.holds_downward_misses ? 1 : 0)};
   return arrays;
@@ -26,7 +29,14 @@ Result<ScanTotals> from_arrays(const tile::ArraySet& arrays) {
   if (area.size() != 1 || length.size() != 1 || misses.size() != 1)
     return fail(ErrorCode::damaged, "cannot read derived data", kKind, "it has no single values",
                 "run `rayfield verify`");
-  return ScanTotals{area[0], length[0], misses[0] != 0};
+  ScanTotals totals;
+  totals.plant_area_m2 = area[0], totals.panel_length_m = length[0], totals.holds_downward_misses = misses[0] != 0;
+  const auto panels = arrays.column<std::int32_t>("panels"), seen = arrays.column<std::int32_t>("panels_with_value");
+  const auto observed = arrays.column<double>("observed_fraction");
+  // Of an earlier version: what another scan wants to know is there.
+  if (!panels || !seen || !observed || panels->size() != 1 || seen->size() != 1 || observed->size() != 1) return totals;
+  totals.panels = (*panels)[0], totals.panels_with_value = (*seen)[0], totals.observed_fraction = (*observed)[0];
+  return totals;
 }
 
 }  // namespace
@@ -45,9 +55,15 @@ Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const Sca
     for (const Panel& panel : layout.panels) lengths[panel.identity.uid] = panel.end_m - panel.start_m;
     ScanTotals totals;
     totals.holds_downward_misses = holds_downward_misses;
-    for (const PanelValue& value : results.panel_values)
-      if (std::isfinite(value.plant_area_m2))
-        totals.plant_area_m2 += value.plant_area_m2, totals.panel_length_m += lengths[value.panel_uid];
+    totals.panels = static_cast<int>(layout.panels.size());
+    double observed = 0;
+    for (const PanelValue& value : results.panel_values) {
+      if (std::isfinite(value.observed_fraction)) observed += value.observed_fraction;
+      if (!std::isfinite(value.plant_area_m2)) continue;
+      ++totals.panels_with_value;
+      totals.plant_area_m2 += value.plant_area_m2, totals.panel_length_m += lengths[value.panel_uid];
+    }
+    if (totals.panels > 0) totals.observed_fraction = observed / totals.panels;
     return to_arrays(totals);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key.hex(), make));

@@ -11,6 +11,8 @@ namespace rayfield::density {
 /// What other scans of the block want to know of a scan, small enough to be read for all of them (kind "totals").
 struct ScanTotals {
   double plant_area_m2 = 0, panel_length_m = 0;  ///< of the panels that have a value
+  int panels = 0, panels_with_value = 0;         ///< of the layout, and those of them that were seen well enough
+  double observed_fraction = 0;                  ///< share of voxels that two rays crossed, mean over all panels
   bool holds_downward_misses = false;            ///< see ground/survey.h
   /// Nothing where no panel has a value.
   std::optional<double> plant_area_per_m() const;

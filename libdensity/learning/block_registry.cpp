@@ -134,6 +134,12 @@ Result<void> BlockRegistry::take_evidence(ScanWork& work, const SurveyedScan& su
   return {};
 }
 
+void BlockRegistry::forget(const std::string& scan_id) {
+  std::erase_if(evidence_, [&](const DatedEvidence& dated) { return dated.scan_id == scan_id; });
+  shas_.erase(scan_id);
+  learner_.reset();
+}
+
 RowLayout BlockRegistry::layout_for(const tile::ScanEntry& scan) {
   const auto last = std::find_if(evidence_.begin(), evidence_.end(),
                                  [&](const DatedEvidence& e) { return e.scan_id == scan.scan_id; });

@@ -35,6 +35,9 @@ class BlockRegistry {
   /// The layout as the scan takes it: what was known up to it.
   RowLayout layout_for(const tile::ScanEntry& scan);
 
+  /// Takes back what the scan has taught: it could not be processed.
+  void forget(const std::string& scan_id);
+
   /// Publishes the layout of today with the writer and returns it.
   Result<RowLayout> finish(tile::Store::DerivedWriter& writer);
 

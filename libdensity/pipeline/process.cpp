@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <limits>
 #include <list>
 #include <map>
 #include <memory>
@@ -36,7 +38,11 @@ struct ScanInWork {
 void report_plants(ScanInWork& scan) {
   scan.report.scan_id = scan.work.scan.scan_id;
   scan.report.rays = scan.work.scan.ray_count;
-  scan.report.plant_area_m2 = scan.processed.totals.plant_area_m2;
+  const ScanTotals& totals = scan.processed.totals;
+  scan.report.plant_area_m2 =
+      totals.panels_with_value > 0 ? totals.plant_area_m2 : std::numeric_limits<double>::quiet_NaN();
+  scan.report.panels = totals.panels, scan.report.panels_with_value = totals.panels_with_value;
+  scan.report.observed_fraction = totals.observed_fraction;
   scan.report.leaf_size_m2 = scan.processed.leaf_size_m2;
   scan.report.voxel_m = scan.processed.voxel_m;
 }
@@ -116,7 +122,7 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)
                                                : separate_leaves(scan.work, scan.layout, scan.voxels, *wood));
-  scan.report.leaf_area_m2 = leaves.leaf_area_m2;
+  if (scan.report.panels_with_value > 0) scan.report.leaf_area_m2 = leaves.leaf_area_m2;
   scan.report.wood_scan_id = wood->scan.scan_id;
   if (leaves.without_wood > 0)
     notes.push_back(fmt::format("{} of {} panels have no leaf area: the dormant scan {} does not show their wood",
@@ -124,12 +130,32 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   return {};
 }
 
+// Failures that another scan need not share. Of the rest, a full disk is one.
+bool is_of_one_scan(ErrorCode code) {
+  return code == ErrorCode::usage || code == ErrorCode::bad_input || code == ErrorCode::damaged;
+}
+
+Error with_scan(Error error, const std::string& scan_id) {
+  if (error.where.find(scan_id) == std::string::npos)
+    error.where = error.where.empty() ? scan_id : scan_id + ", " + error.where;
+  return error;
+}
+
+// What of a scan comes before the wood of another is subtracted.
+Result<void> begin_scan(ScanInWork& scan, tile::Store::DerivedWriter& writer, BlockRegistry& registry) {
+  RAYFIELD_ASSIGN(scan.as_it_was, find_plants(scan, registry));
+  if (scan.as_it_was) return {};
+  return process_plants(scan, writer, registry);
+}
+
 // Scans outside of this run whose leaf areas are no longer those that a run over all would give.
 Result<std::vector<std::string>> find_outdated(const tile::Store& store, const tile::Snapshot& snapshot,
-                                               const std::list<ScanInWork>& scans, const BlockSeasons& seasons) {
+                                               const std::list<ScanInWork>& scans,
+                                               const std::vector<FailedScan>& failed, const BlockSeasons& seasons) {
   std::vector<std::string> outdated;
   for (const tile::ScanEntry& entry : snapshot.scans) {
-    bool in_work = false;
+    bool in_work = std::any_of(failed.begin(), failed.end(),
+                               [&](const FailedScan& scan) { return scan.scan_id == entry.scan_id; });
     for (const ScanInWork& scan : scans) in_work = in_work || scan.work.scan.scan_id == entry.scan_id;
     if (in_work) continue;
     RAYFIELD_ASSIGN(const bool other_wood, seasons.is_outdated(store, entry));
@@ -159,12 +185,16 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
     auto files = std::make_unique<Derivation>(store, writer, scan_id, options.redo);
     ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress, thread_count(options.threads)};
     ScanInWork& scan = scans.emplace_back(ScanInWork{std::move(files), std::move(work)});
-    RAYFIELD_ASSIGN(scan.as_it_was, find_plants(scan, registry));
-    if (!scan.as_it_was) {
-      RAYFIELD_CHECK(process_plants(scan, writer, registry));
+    if (auto begun = begin_scan(scan, writer, registry); !begun) {
+      report.failed.push_back({scan_id, with_scan(std::move(begun).error(), scan_id)});
+      if (!is_of_one_scan(report.failed.back().error.code)) return tl::make_unexpected(report.failed.back().error);
+      registry.forget(scan_id);
+      scans.pop_back();
+      continue;
     }
     totals[scan_id] = scan.processed.totals;
   }
+  if (scans.empty()) return tl::make_unexpected(report.failed.front().error);
   RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals));
   for (ScanInWork& scan : scans) {
     RAYFIELD_CHECK(take_or_make_plants(store, scan, seasons, writer, registry));
@@ -173,7 +203,7 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
     scan.report.files_made = scan.files->total().made, scan.report.files_kept = scan.files->total().kept;
     report.scans.push_back(scan.report);
   }
-  RAYFIELD_ASSIGN(report.outdated_leaf_areas, find_outdated(store, snapshot, scans, seasons));
+  RAYFIELD_ASSIGN(report.outdated_leaf_areas, find_outdated(store, snapshot, scans, report.failed, seasons));
   RAYFIELD_ASSIGN(const RowLayout layout, registry.finish(writer));
   RAYFIELD_CHECK(writer.commit(command));
   report.rows = layout.rows.size();

@@ -16,7 +16,7 @@ inline constexpr int kEchoesVersion = 1;
 inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
 inline constexpr int kResultsVersion = 5;
-inline constexpr int kTotalsVersion = 1;
+inline constexpr int kTotalsVersion = 2;
 inline constexpr int kLeafVersion = 3;
 
 inline std::vector<double> stage_versions() {

@@ -1,5 +1,7 @@
 #include "libtile/files/fault.h"
 
+#ifdef RAYFIELD_FAULT_POINTS
+
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -46,3 +48,5 @@ int point(const char* name) {
 }
 
 }  // namespace rayfield::tile::fault
+
+#endif

@@ -18,6 +18,8 @@ namespace {
 
 // Small enough that a kill between two pieces leaves a torn file for the crash tests to find.
 constexpr std::size_t kWritePiece = std::size_t{256} << 10;
+// Of a raster of the most cells, 2^31, as float.
+constexpr std::uint64_t kMostFileBytes = std::uint64_t{9} << 30;
 
 // Whatever keeps the disk from taking what is written is a matter of resources, not of input.
 Error as_write_failure(Error error) {
@@ -34,7 +36,7 @@ std::string_view next_step(int error_number) {
 
 tl::unexpected<Error> fail_io(int error_number, std::string_view what, const std::filesystem::path& where) {
   auto failure = fail_errno(error_number, what, where.string(), next_step(error_number));
-  if (error_number == EIO || error_number == ENOTDIR) failure.value().code = ErrorCode::resources;
+  if (error_number == ENOTDIR) failure.value().code = ErrorCode::resources;
   return failure;
 }
 
@@ -48,6 +50,9 @@ Result<void> read_exactly(const FileDescriptor& file, std::uint64_t offset, std:
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::string_view what) {
   RAYFIELD_ASSIGN(const InputDescriptor file, open_regular_file(path.string(), what));
+  if (file.size > kMostFileBytes)
+    return fail(ErrorCode::damaged, what, path.string(), "it is larger than any file of a store",
+                "run `rayfield verify`");
   std::vector<std::byte> bytes(file.size);
   RAYFIELD_CHECK(read_exactly(file.descriptor, 0, bytes, path));
   return bytes;
@@ -82,7 +87,11 @@ Result<void> make_directories(const std::filesystem::path& root, const std::file
     const std::filesystem::path parent = path;
     path /= part;
     struct stat status {};
-    if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) continue;
+    if (::lstat(path.c_str(), &status) == 0) {
+      if (S_ISDIR(status.st_mode)) continue;
+      return fail(ErrorCode::damaged, "cannot create folder", path.string(), "a link or a file stands in its place",
+                  "remove it");
+    }
     if (const int error = fault::point("mkdir")) return fail_io(error, "cannot create folder", path);
     if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) return fail_io(errno, "cannot create folder", path);
     RAYFIELD_CHECK(sync_directory(parent));

@@ -17,7 +17,7 @@
 /// errors that say what a store needs. Paths in errors are as given.
 namespace rayfield::tile {
 
-/// The failure of a system call on a store that is being written: as fail_errno(), with EIO and ENOTDIR counted as
+/// The failure of a system call on a store that is being written: as fail_errno(), with ENOTDIR counted as
 /// `resources` too, and with what to do about a folder that may not be written to.
 tl::unexpected<Error> fail_io(int error_number, std::string_view what, const std::filesystem::path& where);
 
@@ -33,7 +33,8 @@ Result<void> write_in_pieces(const FileDescriptor& file, std::span<const std::by
 
 /// Makes a directory's entries durable.
 Result<void> sync_directory(const std::filesystem::path& directory);
-/// Creates `relative` below `root`, one level after the other, each made durable in its parent.
+/// Creates `relative` below `root`, one level after the other, each made durable in its parent. Errors: damaged, where
+/// one of them is a link: what is written through it would lie outside of the store.
 Result<void> make_directories(const std::filesystem::path& root, const std::filesystem::path& relative);
 
 /// A new file with an unpredictable name in `directory` (O_EXCL) for reading and writing.

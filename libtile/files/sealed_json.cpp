@@ -1,7 +1,9 @@
 #include "libtile/files/sealed_json.h"
 
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
+#include <span>
 
 #include "libtile/files/file_io.h"
 #include "rayfield/core/date.h"
@@ -12,6 +14,8 @@ namespace {
 
 constexpr std::string_view kStart = "{\"sha256\": \"";
 constexpr std::size_t kHexDigits = 64;
+// A block of 50 scans with 10 000 tiles each has snapshots of 200 MB.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
 
 std::string middle(std::string_view what) { return "\",\n\"" + std::string(what) + "\": "; }
 
@@ -39,9 +43,23 @@ Result<nlohmann::ordered_json> unseal_json(std::string_view what, std::string_vi
   return json;
 }
 
+// The start is looked at before the rest is read: a sparse file is as large as it likes.
 Result<nlohmann::ordered_json> read_sealed_json(std::string_view what, const std::filesystem::path& path) {
-  RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, read_file(path, "cannot read the store"));
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view kCannotRead = "cannot read the store";
+  auto opened = open_regular_file(path.string(), kCannotRead);
+  if (!opened) {  // a store without it, or with a pipe in its place, is damaged
+    if (opened.error().code == ErrorCode::bad_input) opened.error().code = ErrorCode::damaged;
+    return tl::make_unexpected(std::move(opened).error());
+  }
+  const InputDescriptor& file = *opened;
+  std::string text(kStart.size(), '\0');
+  RAYFIELD_ASSIGN(const std::size_t got,
+                  read_at(file.descriptor, 0, std::as_writable_bytes(std::span(text)), kCannotRead, path.string()));
+  if (got < text.size() || text != kStart || file.size > kMostBytes)
+    return fail(ErrorCode::damaged, kCannotRead, path.string(), "it is not a document of a rayfield store",
+                "run `rayfield verify`");
+  text.resize(static_cast<std::size_t>(file.size));
+  RAYFIELD_CHECK(read_exactly(file.descriptor, 0, std::as_writable_bytes(std::span(text)), path));
   return unseal_json(what, text, path.string());
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <vector>
 
 #include "rayfield/core/date.h"
 
@@ -11,9 +13,41 @@ namespace {
 
 constexpr std::size_t kNameLimit = 100;  // several of them and two digests stay below the 255 bytes of a file name
 constexpr std::size_t kDigestShown = 16;
+constexpr std::size_t kTemporaryDigits = 32, kRandomLetters = 6;  // of create_temporary(), of mkstemp(3)
 
 bool is_plain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+}
+
+bool is_hex(std::string_view text) { return text.find_first_not_of("0123456789abcdef") == std::string_view::npos; }
+
+// Parts of a name between dots.
+std::vector<std::string_view> parts_of(std::string_view name) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t dot = std::min(name.find('.'), name.size());
+    parts.push_back(name.substr(0, dot));
+    if (dot == name.size()) return parts;
+    name.remove_prefix(dot + 1);
+  }
+}
+
+bool is_digest(std::string_view part) { return part.size() == kDigestShown && is_hex(part); }
+
+// "<ix>_<iy>"
+bool is_tile(std::string_view part) {
+  const std::size_t middle = part.find('_');
+  if (middle == std::string_view::npos) return false;
+  for (std::string_view number : {part.substr(0, middle), part.substr(middle + 1)}) {
+    if (number.substr(0, 1) == "-") number.remove_prefix(1);
+    if (number.empty() || number.find_first_not_of("0123456789") != std::string_view::npos) return false;
+  }
+  return true;
+}
+
+bool is_random(std::string_view name, std::string_view prefix) {
+  return name.size() == prefix.size() + kRandomLetters && name.substr(0, prefix.size()) == prefix &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(prefix.size()), name.end(), is_plain);
 }
 
 }  // namespace
@@ -73,5 +107,25 @@ bool is_inside(const std::string& path) {
   if (path.empty() || parsed.is_absolute() || path.find('\0') != std::string::npos) return false;
   return std::none_of(parsed.begin(), parsed.end(), [](const auto& part) { return part == ".." || part == "."; });
 }
+
+bool is_own_file(const std::filesystem::path& directory, std::string_view name) {
+  const std::string kind = directory.filename().string();
+  const bool of_scan = directory.begin() != directory.end() && *directory.begin() == kScans;
+  const std::vector<std::string_view> parts = parts_of(name);
+  const std::size_t n = parts.size();
+  if (!std::all_of(name.begin(), name.end(), is_plain)) return false;
+  if (of_scan && kind == kAttachments) return n >= 2 && is_digest(parts[1]);
+  if (n < 3 || parts[n - 1] != "h5" || !is_digest(parts[n - 2])) return false;
+  if (of_scan && kind == kRays) return n == 3 && is_tile(parts[0]);
+  return n >= 4 && parts[n - 3].size() == kDigestShown;  // of the key, which the caller makes
+}
+
+bool is_own_temporary_file(std::string_view name) {
+  return (name.size() == kTemporaryDigits + 4 && is_hex(name.substr(0, kTemporaryDigits)) &&
+          name.substr(kTemporaryDigits) == ".tmp") ||
+         is_random(name, "rayfield-");
+}
+
+bool is_own_scratch_folder(std::string_view name) { return is_random(name, "align."); }
 
 }  // namespace rayfield::tile::layout

@@ -13,6 +13,7 @@ namespace rayfield::tile::layout {
 inline constexpr const char* kStoreFile = "store.json";
 inline constexpr const char* kLock = "lock";
 inline constexpr const char* kTemporary = "tmp";
+inline constexpr const char* kTrash = "trash";
 inline constexpr const char* kSnapshots = "snapshots";
 inline constexpr const char* kScans = "scans";
 inline constexpr const char* kRegistry = "registry";
@@ -39,5 +40,12 @@ Result<std::string> scan_id(const std::string& date, const std::string& name);
 bool is_plain_name(std::string_view text);
 /// A path that stays inside the store: relative, without "..".
 bool is_inside(const std::string& path);
+
+/// Names that this program gives to files, and nobody else by chance. What bears another name is not the store's.
+/// `directory`: "scans/<scan_id>/<kind>" or "registry/<kind>".
+bool is_own_file(const std::filesystem::path& directory, std::string_view name);
+/// In tmp/: files that are being written, spill files, and scratch folders of programs that align a scan.
+bool is_own_temporary_file(std::string_view name);
+bool is_own_scratch_folder(std::string_view name);
 
 }  // namespace rayfield::tile::layout

@@ -22,6 +22,9 @@ namespace {
 // noise takes more, and each file is reserved before it is written.
 constexpr std::uint64_t kLeastBytesPerRay = 5;
 
+// 6 km² of tiles of 25 m. Drives that lose their place, and clouds in other units, leave tiles all over the map.
+constexpr std::size_t kManyTiles = 10000;
+
 bool same_inputs(const std::vector<InputEntry>& a, const std::vector<InputEntry>& b) {
   // Without inputs named nothing says that the rays are the same.
   return !a.empty() && std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const InputEntry& x, const InputEntry& y) {
@@ -49,7 +52,8 @@ Result<void> check_disk(const RaySource& rays, const std::filesystem::path& fold
               "free some disk space and run the same command again");
 }
 
-std::vector<std::string> warnings_of(const RaySource& rays, const RayStatistics& statistics) {
+std::vector<std::string> warnings_of(const RaySource& rays, const RayStatistics& statistics, std::size_t tiles,
+                                     const StoreConfig& config) {
   std::vector<std::string> warnings = rays.warnings();
   if (statistics.not_finite > 0)
     warnings.push_back(fmt::format("{} rays dropped: coordinates or times that are not finite", statistics.not_finite));
@@ -58,6 +62,10 @@ std::vector<std::string> warnings_of(const RaySource& rays, const RayStatistics&
         fmt::format("{} rays dropped: coordinates or times out of any CRS's range", statistics.out_of_range));
   if (statistics.too_long > 0)
     warnings.push_back(fmt::format("{} rays dropped: longer than {} m", statistics.too_long, kMaxRayLength_m));
+  if (tiles > kManyTiles)
+    warnings.push_back(fmt::format("it lies in {} tiles of {} m, {:.1f} km²: check its coordinates and CRS", tiles,
+                                   config.tile_size_m,
+                                   static_cast<double>(tiles) * config.tile_size_m * config.tile_size_m / 1e6));
   return warnings;
 }
 
@@ -202,7 +210,8 @@ Result<AddReport> add_scan(const OpenStore& open_store, RaySource& rays, const A
   RAYFIELD_CHECK(writer.sync_directories());
 
   const ScanEntry scan =
-      scan_entry(options, scan_id, result, warnings_of(rays, result.statistics), std::move(*attachments));
+      scan_entry(options, scan_id, result, warnings_of(rays, result.statistics, result.tiles.size(), open_store.config),
+                 std::move(*attachments));
   bool lost = false;
   RAYFIELD_ASSIGN(const Snapshot published,
                   publish(store, options.command, [&](const Snapshot& latest) -> Result<std::optional<Snapshot>> {

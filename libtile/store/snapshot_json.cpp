@@ -4,10 +4,12 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "libtile/files/store_layout.h"
+#include "rayfield/core/date.h"
 
 namespace rayfield::tile {
 namespace {
@@ -73,7 +75,7 @@ ScanAlignment parse_alignment(const Json& json) {
   alignment.verdict = known->first;
   for (int i = 0; i < 3; ++i) alignment.offset_m[i] = json.at("offset_m").at(i).get<double>();
   for (int i = 0; i < 2; ++i) alignment.pivot_m[i] = json.at("pivot_m").at(i).get<double>();
-  alignment.landmarks = json.at("landmarks").get<int>();
+  alignment.landmarks = json.value("landmarks", 0);
   for (const auto& [key, member] : kAlignmentNumbers)
     alignment.*member = json.value(key, std::numeric_limits<double>::quiet_NaN());
   return alignment;
@@ -179,6 +181,27 @@ ScanEntry parse_scan(const Json& json) {
   return scan;
 }
 
+// A name becomes a folder: what is none, or stands for two things, is not to be written to or deleted.
+void check_derived_names(const std::vector<DerivedEntry>& entries) {
+  for (const DerivedEntry& entry : entries)
+    if (!layout::is_plain_name(entry.kind) || !layout::is_plain_name(entry.name))
+      throw std::runtime_error("'" + entry.kind + "/" + entry.name + "' is no name of derived data");
+}
+
+void check_names(const Snapshot& snapshot) {
+  std::set<std::string> ids;
+  for (const ScanEntry& scan : snapshot.scans) {
+    if (!layout::is_plain_name(scan.scan_id) || !parse_date(scan.date) || scan.scan_id.substr(0, 10) != scan.date)
+      throw std::runtime_error("'" + scan.scan_id + "' of " + scan.date + " is no id of a scan");
+    if (!ids.insert(scan.scan_id).second) throw std::runtime_error("scan '" + scan.scan_id + "' stands there twice");
+    check_derived_names(scan.derived);
+    for (const AttachmentEntry& attachment : scan.attachments)
+      if (!layout::is_plain_name(attachment.name))
+        throw std::runtime_error("'" + attachment.name + "' is no name of a file kept with a scan");
+  }
+  check_derived_names(snapshot.registry);
+}
+
 // Runs `parse` on a document of that format; whatever is wrong with the document becomes an error.
 template <class T, class Parse>
 Result<T> parse_document(const Json& json, const char* format, const std::string& where, const Parse& parse) {
@@ -208,11 +231,14 @@ Json to_json(const Snapshot& snapshot) {
   Json scans = Json::array(), registry = Json::array();
   for (const ScanEntry& scan : snapshot.scans) scans.push_back(scan_json(scan));
   for (const DerivedEntry& derived : snapshot.registry) registry.push_back(derived_json(derived));
-  return {{"format", kSnapshotFormat},           {"version", kVersion},
-          {"number", snapshot.number},           {"parent", snapshot.parent},
-          {"created_utc", snapshot.created_utc}, {"software_version", snapshot.software_version},
-          {"command", snapshot.command},         {"scans", std::move(scans)},
-          {"registry", std::move(registry)}};
+  Json json = {{"format", kSnapshotFormat},           {"version", kVersion},
+               {"number", snapshot.number},           {"parent", snapshot.parent},
+               {"created_utc", snapshot.created_utc}, {"software_version", snapshot.software_version},
+               {"command", snapshot.command}};
+  for (const SnapshotRange& range : snapshot.lost) json["lost"].push_back({range.first, range.last});
+  json["scans"] = std::move(scans);
+  json["registry"] = std::move(registry);
+  return json;
 }
 
 Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) {
@@ -223,10 +249,22 @@ Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) 
     snapshot.created_utc = json.at("created_utc").get<std::string>();
     snapshot.software_version = json.at("software_version").get<std::string>();
     snapshot.command = json.at("command").get<std::string>();
+    if (json.contains("lost"))
+      for (const Json& range : json.at("lost"))
+        snapshot.lost.push_back({range.at(0).get<std::uint64_t>(), range.at(1).get<std::uint64_t>()});
     for (const Json& scan : json.at("scans")) snapshot.scans.push_back(parse_scan(scan));
     for (const Json& derived : json.at("registry")) snapshot.registry.push_back(parse_derived(derived));
+    check_names(snapshot);
     return snapshot;
   });
+}
+
+std::optional<ScanAlignment> alignment_from_file(const std::string& text) {
+  try {
+    return parse_alignment(Json::parse(text));
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 Json to_json(const StoreConfig& config) {

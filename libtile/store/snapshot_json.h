@@ -1,6 +1,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "rayfield/core/result.h"
 #include "rayfield/tile/snapshot.h"
@@ -12,6 +14,9 @@ namespace rayfield::tile {
 nlohmann::ordered_json to_json(const Snapshot& snapshot);
 /// Errors: damaged (missing keys, wrong types, paths that lead out of the store), bad_input (newer format).
 Result<Snapshot> snapshot_from_json(const nlohmann::ordered_json& json, const std::string& where);
+
+/// What alignment.json, which is kept with a scan, tells of its alignment; nothing where it is no such file.
+std::optional<ScanAlignment> alignment_from_file(const std::string& text);
 
 nlohmann::ordered_json to_json(const StoreConfig& config);
 Result<StoreConfig> config_from_json(const nlohmann::ordered_json& json, const std::string& where);

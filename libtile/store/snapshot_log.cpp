@@ -1,5 +1,6 @@
 #include "libtile/store/snapshot_log.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "libtile/files/file_io.h"
 #include "libtile/files/sealed_json.h"
 #include "libtile/files/store_layout.h"
+#include "libtile/files/writer_lock.h"
 #include "libtile/store/snapshot_json.h"
 
 namespace rayfield::tile {
@@ -85,10 +87,36 @@ Result<std::vector<Snapshot>> all_snapshots(const std::filesystem::path& store) 
   return snapshots;
 }
 
+// The note is read first: a writer may publish at any time, and notes it afterwards.
 Result<Snapshot> latest_snapshot(const std::filesystem::path& store) {
+  const std::uint64_t published = last_published(store).value_or(0);
   RAYFIELD_ASSIGN(const std::vector<std::uint64_t> numbers, snapshot_numbers(store));
-  if (numbers.empty()) return Snapshot{};
-  return load_snapshot(store, numbers.back());
+  const std::uint64_t newest = numbers.empty() ? 0 : numbers.back();
+  if (newest < published)
+    return fail(ErrorCode::damaged, "cannot read the store", snapshot_path(store, published).string(),
+                newest == 0
+                    ? fmt::format("snapshot {} was published, and none is there any more", published)
+                    : fmt::format("snapshot {} was published, and the newest that is there is {}", published, newest),
+                "bring it back from a copy, or run `rayfield repair`");
+  if (newest == 0) return Snapshot{};
+  return load_snapshot(store, newest);
+}
+
+Result<bool> publish_as(const std::filesystem::path& store, const std::string& command, Snapshot& next) {
+  next.created_utc = now_utc();
+  next.software_version = RAYFIELD_VERSION;
+  next.command = command;
+  const std::string text = seal_json("snapshot", to_json(next));
+  RAYFIELD_ASSIGN(const std::filesystem::path temporary,
+                  write_temporary(store / layout::kTemporary, std::as_bytes(std::span(text))));
+  bool taken = false;
+  const Result<void> linked = link_exclusively(temporary, snapshot_path(store, next.number), taken);
+  ::unlink(temporary.c_str());
+  RAYFIELD_CHECK(linked);
+  if (taken) return false;
+  RAYFIELD_CHECK(sync_directory(store / layout::kSnapshots));
+  note_published(store, next.number);
+  return true;
 }
 
 Result<Snapshot> publish(const std::filesystem::path& store, const std::string& command,
@@ -99,23 +127,14 @@ Result<Snapshot> publish(const std::filesystem::path& store, const std::string& 
     if (!next) {
       // The run that linked it may have died before it made the name durable.
       RAYFIELD_CHECK(sync_directory(store / layout::kSnapshots));
+      note_published(store, latest.number);
       return latest;
     }
     next->number = latest.number + 1;
     next->parent = latest.number;
-    next->created_utc = now_utc();
-    next->software_version = RAYFIELD_VERSION;
-    next->command = command;
-    const std::string text = seal_json("snapshot", to_json(*next));
-    RAYFIELD_ASSIGN(const std::filesystem::path temporary,
-                    write_temporary(store / layout::kTemporary, std::as_bytes(std::span(text))));
-    bool taken = false;
-    const Result<void> linked = link_exclusively(temporary, snapshot_path(store, next->number), taken);
-    ::unlink(temporary.c_str());
-    RAYFIELD_CHECK(linked);
-    if (taken) continue;
-    RAYFIELD_CHECK(sync_directory(store / layout::kSnapshots));
-    return *next;
+    next->lost = latest.lost;  // also where the rest is that of an older one
+    RAYFIELD_ASSIGN(const bool published, publish_as(store, command, *next));
+    if (published) return *next;
   }
   return fail(ErrorCode::locked, "cannot publish", store.string(), "other writers publish all the time",
               "wait until they have finished");

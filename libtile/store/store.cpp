@@ -18,6 +18,7 @@
 #include "libtile/store/garbage.h"
 #include "libtile/store/open_store.h"
 #include "libtile/store/remove_scan.h"
+#include "libtile/store/repair.h"
 #include "libtile/store/revert.h"
 #include "libtile/store/snapshot_json.h"
 #include "libtile/store/snapshot_log.h"
@@ -69,7 +70,9 @@ Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
     return fail(ErrorCode::resources, "cannot create a store", folder.string(), "the file system has no hard links",
                 "keep the store on a file system of Linux");
   if (error != 0) return fail_io(error, "cannot create a store", folder);
-  return sync_directory(folder);
+  RAYFIELD_CHECK(sync_directory(folder));
+  note_published(folder, 0);
+  return {};
 }
 
 }  // namespace
@@ -187,6 +190,10 @@ Result<DerivedWriter> Store::write_derived() { return DerivedWriter::open(store_
 Result<std::vector<Damage>> Store::verify(bool all, int threads, Progress& progress) const {
   return verify_store(store_->folder, all, threads, progress);
 }
-Result<std::uint64_t> Store::gc(bool dry_run) { return collect_garbage(store_->folder, dry_run); }
+Result<GarbageReport> Store::gc(const GarbageOptions& options) { return collect_garbage(store_->folder, options); }
+
+Result<RepairReport> Store::repair(bool dry_run, const std::string& command, Progress& progress) {
+  return repair_store(*this, dry_run, command, progress);
+}
 
 }  // namespace rayfield::tile

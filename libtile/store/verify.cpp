@@ -7,7 +7,7 @@
 
 #include "libtile/files/sealed_json.h"
 #include "libtile/files/store_layout.h"
-#include "libtile/store/snapshot_log.h"
+#include "libtile/store/snapshot_chain.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/parallel.h"
 
@@ -29,20 +29,12 @@ Result<std::optional<std::string>> problem_of(const std::filesystem::path& store
   return std::nullopt;
 }
 
-// Files of the snapshots, each once; snapshots that cannot be read are added to `damage`.
-Result<std::vector<FileEntry>> files_to_check(const std::filesystem::path& folder, bool all,
-                                              std::vector<Damage>& damage) {
-  RAYFIELD_ASSIGN(std::vector<std::uint64_t> numbers, snapshot_numbers(folder));
-  if (!all && numbers.size() > 1) numbers.erase(numbers.begin(), numbers.end() - 1);
+// Files of the snapshots, each once.
+std::vector<FileEntry> files_to_check(const SnapshotChain& chain, bool all) {
   std::map<std::tuple<std::string, std::string, std::uint64_t>, FileEntry> files;
-  for (const std::uint64_t number : numbers) {
-    const auto snapshot = load_snapshot(folder, number);
-    if (!snapshot) {
-      damage.push_back(
-          {std::string(layout::kSnapshots) + "/" + layout::snapshot_file_name(number), snapshot.error().why});
-      continue;
-    }
-    for (const FileEntry* file : snapshot->files()) files[{file->path, file->sha256, file->size}] = *file;
+  for (const auto& [number, snapshot] : chain.intact) {
+    if (!all && number != chain.intact.rbegin()->first) continue;
+    for (const FileEntry* file : snapshot.files()) files[{file->path, file->sha256, file->size}] = *file;
   }
   std::vector<FileEntry> list;
   for (const auto& [key, file] : files) list.push_back(file);
@@ -56,7 +48,9 @@ Result<std::vector<Damage>> verify_store(const std::filesystem::path& folder, bo
   std::vector<Damage> damage;
   if (const auto config = read_sealed_json("store", folder / layout::kStoreFile); !config)
     damage.push_back({layout::kStoreFile, config.error().why});
-  RAYFIELD_ASSIGN(const std::vector<FileEntry> files, files_to_check(folder, all, damage));
+  RAYFIELD_ASSIGN(const SnapshotChain chain, read_chain(folder));
+  damage.insert(damage.end(), chain.damage.begin(), chain.damage.end());
+  const std::vector<FileEntry> files = files_to_check(chain, all);
   std::uint64_t bytes = 0;
   for (const FileEntry& file : files) bytes += file.size;
   progress.stage("verifying", bytes, "bytes");

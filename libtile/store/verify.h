@@ -9,7 +9,8 @@
 
 namespace rayfield::tile {
 
-/// Store::verify(): hashes every file that the newest snapshot (all snapshots with `all`) names.
+/// Store::verify(): looks whether the history is whole, and hashes every file that the newest snapshot (all snapshots
+/// with `all`) names.
 Result<std::vector<Damage>> verify_store(const std::filesystem::path& folder, bool all, int threads,
                                          Progress& progress);
 

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -32,7 +33,7 @@ class CommandLine : public testing::Test {
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   for (const char* verb : {"demo", "simulate", "init", "add", "process", "export", "update", "compare", "info",
-                           "status", "log", "remove", "revert", "registry", "verify", "gc", "experiment"}) {
+                           "status", "log", "remove", "revert", "registry", "verify", "repair", "gc", "experiment"}) {
     const Outcome run = rayfield({verb, "--help"});
     EXPECT_EQ(run.exit_code, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr(std::string("rayfield ") + verb)) << verb;
@@ -52,7 +53,56 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
 TEST_F(CommandLine, RefusesCoordinateSystemsThatMapsCannotBeMadeIn) {
   expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:4326"}), 2, "geographic");
   expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:999999"}), 2, "not know");
+  // Web Mercator stretches metres by 1/cos(latitude): 44.5 m² of leaves become 55.5 m² at 27°.
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:3857"}), 2, "areas would be wrong");
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:2225"}), 2, "metres");
   EXPECT_FALSE(std::filesystem::exists(folder_.path("g")));
+}
+
+TEST_F(CommandLine, ACoordinateSystemMayBeWrittenInSeveralWays) {
+  const std::string store = folder_.path("g");
+  ASSERT_EQ(rayfield({"init", store, "--crs", " epsg:32632 "}).exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(rayfield({"status", store, "--json"}).out)["crs"], "EPSG:32632");
+  std::string cloud = lane_cloud(20);
+  cloud.insert(cloud.find("element"), "comment crs epsg:32632\n");
+  const Outcome add = rayfield({"add", store, put("a.ply", cloud), "--date", "2020-09-13", "-q"});
+  EXPECT_EQ(add.exit_code, 0) << add.err;
+}
+
+TEST_F(CommandLine, WhatIsNoFileIsRefusedWithoutWaitingForIt) {
+  const std::string pipe = folder_.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string cloud = put("a.ply", lane_cloud(20));
+  for (const std::string& path : {pipe, std::string("/dev/zero")}) {
+    expect_refused(rayfield({"add", store(), path, "--date", "2021-05-01"}), 3, "not a regular file");
+    expect_refused(rayfield({"add", store(), cloud, "--rig", path, "--date", "2021-05-01"}), 3, "not a regular file");
+    expect_refused(rayfield({"info", path}), 3, "not a regular file");
+    expect_refused(rayfield({"simulate", path, "-o", folder_.path("o")}), 3, "not a regular file");
+  }
+  for (const char* name : {"snapshots/00000001.json", "store.json"}) {
+    std::filesystem::remove(store() + "/" + name);
+    ASSERT_EQ(::mkfifo((store() + "/" + name).c_str(), 0600), 0);
+    expect_refused(rayfield({"status", store()}), 4, name);
+  }
+}
+
+TEST_F(CommandLine, AnInterruptIsHeardWhileInputsAreHashed) {
+  const std::string path = put("huge.ply", "ply\n");
+  std::filesystem::resize_file(path, std::uint64_t{1} << 40);  // sparse: an hour of hashing
+  expect_refused(rayfield_interrupted_after({"add", store(), path, "--date", "2021-05-01"}, 1500), 130, "interrupted");
+}
+
+// The kernel answers EIO to whoever reads the start of its own memory.
+TEST_F(CommandLine, ADiskThatCannotBeReadIsAMatterOfResources) {
+  expect_refused(rayfield({"add", store(), "/proc/self/mem", "--date", "2021-05-01"}), 5, "Input/output error");
+}
+
+TEST_F(CommandLine, ASparseSnapshotIsRefusedBeforeItsSizeIsBelieved) {
+  const std::string snapshot = store() + "/snapshots/00000001.json";
+  write_file(snapshot, "");
+  std::filesystem::resize_file(snapshot, std::uint64_t{1} << 40);
+  expect_refused(rayfield({"status", store()}), 4, "00000001.json");
+  EXPECT_EQ(rayfield({"verify", store()}).exit_code, 4);
 }
 
 TEST_F(CommandLine, RefusesToMakeAStoreWhereOneIs) {

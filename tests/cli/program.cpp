@@ -56,6 +56,10 @@ class Run {
     }
     ended_ = true;
   }
+  void interrupt_after(unsigned milliseconds) {
+    usleep(1000 * milliseconds);
+    kill(child_, SIGINT);
+  }
   Outcome finish() {
     if (!ended_) waitpid(child_, &status_, 0);
     Outcome run;
@@ -94,6 +98,12 @@ Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std:
 Outcome rayfield_interrupted_at(const std::vector<std::string>& arguments, const std::string& text) {
   Run run(arguments, [] {});
   run.interrupt_at(text);
+  return run.finish();
+}
+
+Outcome rayfield_interrupted_after(const std::vector<std::string>& arguments, unsigned milliseconds) {
+  Run run(arguments, [] {});
+  run.interrupt_after(milliseconds);
   return run.finish();
 }
 

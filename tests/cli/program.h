@@ -25,6 +25,9 @@ Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std:
 /// The same, with a Ctrl-C as soon as its stderr holds `text`.
 Outcome rayfield_interrupted_at(const std::vector<std::string>& arguments, const std::string& text);
 
+/// The same, with a Ctrl-C after so many milliseconds.
+Outcome rayfield_interrupted_after(const std::vector<std::string>& arguments, unsigned milliseconds);
+
 /// A fresh folder that is removed at the end.
 class Folder {
  public:

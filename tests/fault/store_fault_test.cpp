@@ -129,7 +129,9 @@ TEST(StoreFaultLeftovers, GcFreesWhatAKilledWriterLeft) {
   const fs::path path = folder.path() / "block";
   ASSERT_TRUE(run_writer(path, "add", "link:2:kill").killed);
   Store store = Store::open(path).value();
-  EXPECT_GT(store.gc(false).value(), 0U);
+  const auto report = store.gc({});
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_GT(report->bytes_moved, 0U);
   EXPECT_TRUE(fs::is_empty(path / "tmp"));
   EXPECT_TRUE(fs::is_empty(path / "scans"));
   EXPECT_EQ(run_writer(path, "add", "").code, 0);

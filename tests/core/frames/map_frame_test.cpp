@@ -85,6 +85,54 @@ TEST(CheckCrsSuits, RefusesSystemsWhoseMetresAreNotThoseOfThePlace) {
   EXPECT_EQ(check_crs_suits("EPSG:4326", place).error().code, ErrorCode::usage);
 }
 
+TEST(SameCrs, HoweverItIsWritten) {
+  for (const char* written : {"EPSG:7854", "EPSG:7854 ", " epsg:7854\n", "GDA2020 / MGA zone 54"}) {
+    EXPECT_TRUE(same_crs(written, "EPSG:7854")) << written;
+    EXPECT_EQ(lookup_projected_crs(written).value().code, "EPSG:7854") << written;
+  }
+  EXPECT_TRUE(same_crs(lookup_projected_crs("EPSG:7854").value().wkt, "EPSG:7854"));
+  EXPECT_FALSE(same_crs("EPSG:7855", "EPSG:7854"));
+  EXPECT_FALSE(same_crs("EPSG:28354", "EPSG:7854")) << "another datum";
+  EXPECT_FALSE(same_crs("nonsense", "EPSG:7854"));
+}
+
+TEST(CheckCrsScale, RefusesWebMercatorBeforeAPlaceIsKnown) {
+  for (const char* code : {"EPSG:7854", "EPSG:32632", "EPSG:2154", "EPSG:27700"})
+    EXPECT_TRUE(check_crs_scale(code)) << code;
+  const auto mercator = check_crs_scale("EPSG:3857");
+  ASSERT_FALSE(mercator);
+  EXPECT_EQ(mercator.error().code, ErrorCode::usage);
+  EXPECT_THAT(mercator.error().line(), testing::HasSubstr("areas would be wrong"));
+  for (const char* code : {"EPSG:4326", "EPSG:2225" /* feet */, "nonsense"})
+    EXPECT_FALSE(check_crs_scale(code)) << code;
+}
+
+TEST(CheckMapPlace, TellsCoordinatesThatAreNoneOfTheCrs) {
+  const auto good = check_map_place("EPSG:7854", {276196, 6099944, 80});
+  ASSERT_TRUE(good) << good.error().line();
+  EXPECT_FALSE(*good);
+  // The same place in the zone to the west, 2.6° outside of zone 53.
+  const Eigen::Vector3d llh = MapFrame::create("EPSG:7854")->geodetic_from_map({376196, 6099944, 80});
+  const auto neighbour = check_map_place("EPSG:7853", MapFrame::create("EPSG:7853")->map_from_geodetic(llh));
+  ASSERT_TRUE(neighbour) << neighbour.error().line();
+  ASSERT_TRUE(*neighbour);
+  EXPECT_THAT(**neighbour, testing::HasSubstr("outside of the area that it is made for"));
+  const Eigen::Vector3d wrong[] = {{138.54, -35.22, 80},                     // degrees
+                                   {276196 / 0.3048, 6099944 / 0.3048, 80},  // feet
+                                   {0, 0, 0},                                // a local frame
+                                   {1e8, 1e8, 0}};
+  for (const Eigen::Vector3d& p : wrong) {
+    const auto place = check_map_place("EPSG:7854", p);
+    ASSERT_FALSE(place) << p.transpose();
+    EXPECT_EQ(place.error().code, ErrorCode::usage);
+  }
+  EXPECT_FALSE(check_map_place("EPSG:32632", {8.4, 47.3, 400})) << "degrees, in a zone of the northern hemisphere";
+  EXPECT_TRUE(check_map_place("EPSG:2154", {700000, 6600000, 0}));
+  const auto mercator = check_map_place("EPSG:3857", {935085, 5987771, 400});
+  ASSERT_FALSE(mercator);
+  EXPECT_THAT(mercator.error().line(), testing::HasSubstr("a metre is 1.47"));
+}
+
 TEST(TangentPlane, IsMetricEastNorthUpAtItsOrigin) {
   const Eigen::Vector3d origin(-35.0, 138.0, 50.0);
   const TangentPlane plane(origin);

@@ -11,8 +11,8 @@ TEST(ParseDate, TakesCalendarDates) {
 }
 
 TEST(ParseDate, RefusesWhatIsNoDateAsWrongUsage) {
-  for (const char* text :
-       {"", "2019-2-11", "2019-02-30", "2019-13-01", "2019-02-29", "11.02.2019", "2019-02-11x", "20a9-02-11"}) {
+  for (const char* text : {"", "2019-2-11", "2019-02-30", "2019-13-01", "2019-02-29", "11.02.2019", "2019-02-11x",
+                           "20a9-02-11", "0000-01-01", "1959-12-31", "3000-01-01"}) {
     const auto result = parse_date(text);
     ASSERT_FALSE(result) << text;
     EXPECT_EQ(result.error().code, ErrorCode::usage);

@@ -24,7 +24,7 @@ TEST(Error, NeverBreaksTheLineEvenForHostileNames) {
 }
 
 TEST(FailErrno, CallsDiskAndPermissionProblemsResources) {
-  for (const int number : {ENOSPC, EACCES, EROFS, EDQUOT, ENOMEM})
+  for (const int number : {ENOSPC, EACCES, EROFS, EDQUOT, ENOMEM, EIO, ESTALE, ENODEV})
     EXPECT_EQ(fail_errno(number, "w", "p").value().code, ErrorCode::resources);
   EXPECT_EQ(fail_errno(ENOENT, "w", "p").value().code, ErrorCode::bad_input);
 }

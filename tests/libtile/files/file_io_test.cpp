@@ -73,7 +73,7 @@ TEST(FileIo, AReadOnlyDiskCanBeReadAndRefusesWritersClearly) {
   EXPECT_TRUE(damage_of(store).empty());
   EXPECT_GT(read_tile(store, store.latest()->scans.at(0).tiles.at(0)).size(), 0U);
   for (const auto& error : {add(store, simulated_drive(100), add_options("2020-01-01")).error(),
-                            store.write_derived().error(), store.gc(false).error()}) {
+                            store.write_derived().error(), store.gc({}).error()}) {
     EXPECT_EQ(error.code, ErrorCode::resources);
     EXPECT_THAT(error.line(), ::testing::HasSubstr("Read-only file system"));
   }

@@ -15,8 +15,8 @@ TEST(WriterLock, ASecondWriterIsToldThatTheStoreIsLocked) {
   ASSERT_TRUE(first);
   EXPECT_EQ(store.write_derived().error().code, ErrorCode::locked);
   EXPECT_EQ(add(store, simulated_drive(10)).error().code, ErrorCode::locked);
-  EXPECT_EQ(store.gc(false).error().code, ErrorCode::locked);
-  EXPECT_EQ(store.gc(true).value(), 0U) << "looking needs no lock";
+  EXPECT_EQ(store.gc({}).error().code, ErrorCode::locked);
+  EXPECT_TRUE(store.gc({.dry_run = true})) << "looking needs no lock";
 }
 
 TEST(WriterLock, AnotherProcessIsLockedOutUntilTheFirstHasGone) {

@@ -113,6 +113,39 @@ TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   }
 }
 
+TEST(SnapshotJson, LostSnapshotsComeBackAndAreAbsentWhereThereAreNone) {
+  Snapshot snapshot = sample_snapshot();
+  EXPECT_FALSE(to_json(snapshot).contains("lost")) << "as older versions wrote it";
+  snapshot.lost = {{2, 2}, {4, 6}};
+  EXPECT_EQ(snapshot_from_json(to_json(snapshot), "x")->lost, snapshot.lost);
+}
+
+// Ids and names become folders: a sealed snapshot of a stranger may hold anything.
+TEST(SnapshotJson, NamesThatAreNoNamesAndScansThatStandThereTwiceAreRefused) {
+  const auto refused = [](const Snapshot& snapshot) {
+    const auto back = snapshot_from_json(to_json(snapshot), "x");
+    return !back && back.error().code == ErrorCode::damaged;
+  };
+  ASSERT_FALSE(refused(sample_snapshot()));
+  for (const char* id : {"..", "", "2019-02-11/x", "2018-01-01", "2019-02-11_\n", "x"}) {
+    Snapshot snapshot = sample_snapshot();
+    snapshot.scans[0].scan_id = id;
+    EXPECT_TRUE(refused(snapshot)) << id;
+  }
+  Snapshot twice = sample_snapshot();
+  twice.scans.push_back(twice.scans[0]);
+  EXPECT_TRUE(refused(twice));
+  Snapshot kind = sample_snapshot();
+  kind.scans[0].derived[0].kind = "..";
+  EXPECT_TRUE(refused(kind));
+  Snapshot name = sample_snapshot();
+  name.registry[0].name = "a/b";
+  EXPECT_TRUE(refused(name));
+  Snapshot attachment = sample_snapshot();
+  attachment.scans[0].attachments[0].name = "../slam.json";
+  EXPECT_TRUE(refused(attachment));
+}
+
 TEST(SnapshotJson, AnyMissingKeyIsDamageNotACrash) {
   const auto whole = to_json(sample_snapshot());
   for (const auto& [key, value] : whole.items()) {

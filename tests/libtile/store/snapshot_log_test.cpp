@@ -24,7 +24,8 @@ TEST(SnapshotLog, PublishersWithoutALockRebaseOnEachOther) {
             publish(store.folder(), "x", [&](const Snapshot& latest) -> Result<std::optional<Snapshot>> {
               Snapshot next = latest;
               ScanEntry scan;
-              scan.scan_id = std::to_string(w) + "-" + std::to_string(k);
+              scan.date = "2019-02-11";
+              scan.scan_id = scan.date + "_" + std::to_string(w) + "-" + std::to_string(k);
               next.scans.push_back(scan);
               return next;
             });

@@ -43,7 +43,7 @@ TEST_F(Verify, ADamagedSnapshotIsAnErrorOfEveryReader) {
   ASSERT_FALSE(latest);
   EXPECT_EQ(latest.error().code, ErrorCode::damaged);
   EXPECT_THAT(latest.error().line(), HasSubstr("00000002.json"));
-  EXPECT_FALSE(store_.gc(false)) << "what nothing names cannot be told while a snapshot is unreadable";
+  EXPECT_FALSE(store_.gc({})) << "what nothing names cannot be told while a snapshot is unreadable";
 }
 
 TEST_F(Verify, TheNewestSnapshotAloneIsCheckedUnlessAllAreAskedFor) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "rayfield/core/result.h"
@@ -10,7 +11,7 @@ namespace rayfield {
 
 /// What rayfield needs to know of a coordinate reference system.
 struct CrsInfo {
-  std::string code;  ///< as given, e.g. "EPSG:7854"
+  std::string code;  ///< "EPSG:7854" however it was written; as given where it has no code
   std::string name;  ///< "GDA2020 / MGA zone 54"
   std::string wkt;   ///< WKT2:2019
 };
@@ -18,6 +19,13 @@ struct CrsInfo {
 /// Looks up a CRS and checks that maps can be made in it: known to PROJ, projected, axes in metres, easting first.
 /// Errors: usage, with the reason (unknown code, geographic, feet, south-orientated axes).
 Result<CrsInfo> lookup_projected_crs(const std::string& code);
+
+/// Whether two ways to write a CRS mean the same one: "epsg:7854 " and "EPSG:7854".
+bool same_crs(const std::string& a, const std::string& b);
+
+/// Checks what can be checked of a CRS before a place is known. Errors: usage, where its grid metres differ from true
+/// ones by more than 1 % in most of the area that it is made for (web Mercator); as lookup_projected_crs().
+Result<void> check_crs_scale(const std::string& code);
 
 /// The UTM zone of a place on WGS 84, e.g. "EPSG:32632"; empty beyond 84° N and 80° S, where UTM ends.
 std::string utm_code(double latitude_deg, double longitude_deg);
@@ -27,6 +35,12 @@ std::string utm_code(double latitude_deg, double longitude_deg);
 /// `latitude_longitude_height` as in MapFrame. Errors: usage, where the scale is off by more than 1 %, grid north by
 /// more than 60°, or the place has no coordinates; names the UTM zone that fits.
 Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& latitude_longitude_height);
+
+/// The same for a place on the map, as the rays of a cloud have it: they may be in degrees, feet or another CRS.
+/// A warning where the place lies outside of the area that the CRS is made for, as that of a neighbouring UTM zone.
+/// Errors: usage, as check_crs_suits(), and where the place lies more than 10° outside, or
+/// outside and within 1 km of the grid's origin.
+Result<std::optional<std::string>> check_map_place(const std::string& code, const Eigen::Vector3d& p_in_map);
 
 /// A projected CRS tied to the geographic datum under it and to a local tangent plane.
 /// All functions are const and safe to call from one thread per object (PROJ contexts are not shared).

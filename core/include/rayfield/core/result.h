@@ -36,8 +36,8 @@ using Result = tl::expected<T, Error>;
 tl::unexpected<Error> fail(ErrorCode code, std::string_view what, std::string_view where, std::string_view why,
                            std::string_view next = {});
 
-/// The failure of a system call, from `errno` as given: ENOSPC, EDQUOT, EACCES, EROFS, EPERM, ENOMEM become
-/// `resources`, the rest `bad_input`.
+/// The failure of a system call: space, permission, memory, a disk that answers EIO or is gone become `resources`, the
+/// rest `bad_input`. The one reading of `errno` there is.
 tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::string_view where,
                                  std::string_view next = {});
 

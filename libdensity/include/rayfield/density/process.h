@@ -17,7 +17,9 @@ struct ScanReport {
   std::string scan_id;
   std::uint64_t rays = 0;
   std::size_t files_made = 0, files_kept = 0;
-  double plant_area_m2 = 0;            ///< sum over the panels
+  double plant_area_m2 = 0;  ///< sum over the panels that have a value; NaN where none has
+  int panels = 0, panels_with_value = 0;
+  double observed_fraction = 0;        ///< share of voxels that two rays crossed, mean over all panels
   std::optional<double> leaf_area_m2;  ///< the same; nothing where no dormant scan shows the wood
   std::string wood_scan_id;            ///< the dormant scan whose wood was subtracted
   double leaf_size_m2 = 0;             ///< area of one leaf, as measured or given
@@ -25,10 +27,17 @@ struct ScanReport {
   std::vector<std::string> notes;
 };
 
+/// A scan that could not be processed; what was made of it before stands as it was.
+struct FailedScan {
+  std::string scan_id;
+  Error error;
+};
+
 struct ProcessReport {
   std::size_t rows = 0, panels = 0, posts = 0;
   bool layout_is_new = false;
   std::vector<ScanReport> scans;
+  std::vector<FailedScan> failed;
   std::vector<std::string> notes;  ///< about the block: rows refused, posts not seen
   /// Scans that were not asked for, but whose leaf areas would now be made with the wood of another dormant scan.
   std::vector<std::string> outdated_leaf_areas;
@@ -37,6 +46,7 @@ struct ProcessReport {
 /// Runs ground ▸ rows ▸ voxels ▸ density ▸ panels ▸ rasters over the store's scans. Files that exist under the same
 /// key are kept. The layout (rows, posts, panels) is found in the first scan of the store that shows one and kept.
 /// Where the block has a dormant scan, its wood is subtracted from the plants of the others, once all are processed.
+/// A scan of which nothing can be made does not keep the others from theirs: it is in `failed`, unless all of them are.
 /// Errors: usage (options, nothing added, unknown scan), bad_input (no rows found, with the reason), damaged,
 /// resources, locked, interrupted.
 Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options, const std::string& command,

@@ -96,12 +96,19 @@ struct ScanEntry {
   std::vector<AttachmentEntry> attachments;  ///< ordered by name
 };
 
+/// Snapshots with these numbers, both ends included.
+struct SnapshotRange {
+  std::uint64_t first = 0, last = 0;
+  friend bool operator==(const SnapshotRange&, const SnapshotRange&) = default;
+};
+
 /// The whole truth at one moment.
 struct Snapshot {
   std::uint64_t number = 0, parent = 0;  ///< 0 = none
   std::string created_utc, software_version, command;
   std::vector<ScanEntry> scans;        ///< ordered by date, then scan_id
   std::vector<DerivedEntry> registry;  ///< block-wide: rows, panels, posts and their identities
+  std::vector<SnapshotRange> lost;     ///< snapshots known to be gone, ascending: repair() has gone on without them
   const ScanEntry* find_scan(const std::string& scan_id) const;
   /// All files that it names; the pointers live as long as the snapshot.
   std::vector<const FileEntry*> files() const;

@@ -12,6 +12,7 @@
 #include "rayfield/tile/add_options.h"
 #include "rayfield/tile/arrays.h"
 #include "rayfield/tile/derived_writer.h"
+#include "rayfield/tile/garbage.h"
 #include "rayfield/tile/snapshot.h"
 #include "rayfield/tile/store_config.h"
 #include "rayfield/tile/tile_reader.h"
@@ -35,6 +36,14 @@ struct RevertReport {
   std::uint64_t snapshot = 0;      ///< the newest one now
   bool already_there = false;      ///< the newest snapshot had that content already: nothing was done
   std::vector<std::string> scans;  ///< that the store holds now
+};
+
+/// What Store::repair() did, or would do.
+struct RepairReport {
+  std::uint64_t snapshot = 0;        ///< the newest one now; 0 where nothing was done
+  std::vector<Damage> found;         ///< what was wrong with the history; empty: nothing to repair
+  std::vector<std::string> rebuilt;  ///< ids of scans that were made again from their files
+  std::vector<Damage> left_out;      ///< scans and files of the registry that were not, and why
 };
 
 struct OpenStore;
@@ -89,10 +98,17 @@ class Store {
   /// Takes the writer's lock; ErrorCode::locked when another process holds it.
   Result<DerivedWriter> write_derived();
 
-  /// Checks every file of the newest snapshot (all snapshots with `all`) against its size and SHA-256.
+  /// Looks whether any snapshot is missing, and checks every file of the newest one (of all with `all`) against its
+  /// size and SHA-256.
   Result<std::vector<Damage>> verify(bool all, int threads, Progress& progress) const;
-  /// Removes files that no snapshot names and left-over temporary files; returns the bytes freed.
-  Result<std::uint64_t> gc(bool dry_run);
+  /// Clears away what no snapshot names and what writers that died have left. Derived and temporary files are deleted;
+  /// what nothing can make anew (rays, files kept with a scan, the registry) is moved to trash/. Errors: damaged (links
+  /// in the store; snapshots are missing, so that nothing tells whose the files are), locked.
+  Result<GarbageReport> gc(const GarbageOptions& options);
+  /// Goes on from a history of which snapshots are missing or unreadable: publishes the newest one that is whole, with
+  /// the scans that only the missing ones named, as far as their sealed files tell. Nothing is deleted.
+  /// Errors: locked, resources, interrupted.
+  Result<RepairReport> repair(bool dry_run, const std::string& command, Progress& progress);
 
  private:
   explicit Store(std::shared_ptr<const OpenStore> store) : store_(std::move(store)) {}
