@@ -55,7 +55,9 @@ TEST_F(SnapshotChainTest, WithoutItsSnapshotsAStoreIsDamagedAndGcDeletesNothing)
     for (int i = 1; i <= 3; ++i) fs::remove(snapshot(i));
     if (!knows) write_text(store_.folder() / "lock", "");
     EXPECT_FALSE(damage_of(store_, false).empty());
-    if (knows) EXPECT_EQ(store_.latest().error().code, ErrorCode::damaged);
+    if (knows) {
+      EXPECT_EQ(store_.latest().error().code, ErrorCode::damaged);
+    }
     const auto gc = store_.gc({});
     ASSERT_FALSE(gc);
     EXPECT_EQ(gc.error().code, ErrorCode::damaged);
