@@ -143,17 +143,20 @@ TEST_F(AlignChain, AnotherBlockIsRefusedAndTheStoreStaysAsItWas) {
   const auto before = content_of(store);
   const std::string far = moved_cloud(cloud("2021-07-01"), work.path("far.ply"), Eigen::Vector3d(80000, 0, 0), 0);
   const std::string turned = moved_cloud(cloud("2021-07-01"), work.path("turned.ply"), Eigen::Vector3d(0, 0, 0), 0.8);
-  for (const std::string& other : {far, turned}) {
-    const Outcome run = rayfield({"add", store, other, "--date", "2021-07-01", "-q"});
-    EXPECT_EQ(run.exit_code, 3) << other;
-    EXPECT_EQ(run.error_lines(), 1) << run.err;
-    EXPECT_THAT(run.err, HasSubstr("cannot align the scan"));
-    EXPECT_THAT(run.err, HasSubstr("--no-align"));
-    json::parse(rayfield({"status", store, "--json"}).out);
+  const Outcome other_rows = rayfield({"add", store, turned, "--date", "2021-07-01", "-q"});
+  EXPECT_EQ(other_rows.exit_code, 3);
+  EXPECT_EQ(other_rows.error_lines(), 1) << other_rows.err;
+  EXPECT_THAT(other_rows.err, HasSubstr("cannot align the scan"));
+  EXPECT_THAT(other_rows.err, HasSubstr("--no-align"));
+  for (const char* how : {"--align", "--no-align"}) {  // nobody's block is 80 km long
+    const Outcome elsewhere = rayfield({"add", store, far, "--date", "2021-07-01", how, "-q"});
+    EXPECT_EQ(elsewhere.exit_code, 3);
+    EXPECT_EQ(elsewhere.error_lines(), 1) << elsewhere.err;
+    EXPECT_THAT(elsewhere.err, HasSubstr("80 km from the scans of the block"));
   }
   EXPECT_EQ(json::parse(rayfield({"status", store, "--json"}).out)["scans"].size(), 1U);
   for (const auto& [path, hash] : before) EXPECT_EQ(content_of(store)[path], hash) << path;
-  EXPECT_EQ(rayfield({"add", store, far, "--date", "2021-07-01", "--no-align", "-q"}).exit_code, 0);
+  EXPECT_EQ(rayfield({"add", store, turned, "--date", "2021-07-01", "--no-align", "-q"}).exit_code, 0);
 }
 
 }  // namespace
