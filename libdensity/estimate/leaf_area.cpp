@@ -34,8 +34,8 @@ double wood_in_section(const RowDensity& leaf, const RowDensity& wood, int along
 
 double squared(double x) { return x * x; }
 
-/// Variance of the two scans' sampling alone. How the elements are turned, density·kLeafTurnVariance·leaf area/volume of
-/// a voxel's variance (slab_density.h), is not an error of the wood: the same wood stands in both scans.
+/// Variance of the two scans' sampling alone. How the elements are turned, density·kLeafTurnVariance·leaf area/volume
+/// of a voxel's variance (slab_density.h), is not an error of the wood: the same wood stands in both scans.
 float sampling_variance(const RowDensity& plant, const RowDensity& wood, std::size_t voxel) {
   const double volume = plant.voxel_m * plant.voxel_m * plant.voxel_m;
   double variance = static_cast<double>(plant.variance[voxel]) + static_cast<double>(wood.variance[voxel]);

@@ -13,8 +13,8 @@ namespace rayfield::density {
 /// the choice does not bias what is kept. Less path: see pool_and_fill() in row_fill.h.
 inline constexpr double kMinPotential = 3.0;
 
-/// Variance of the area that a leaf shows to rays of one direction, over the square of its mean: it goes with the cosine
-/// c to the leaf's normal, which is evenly spread between 0 and 1 over leaves turned at random, E[c²]/E[c]² − 1.
+/// Variance of the area that a leaf shows to rays of one direction, over the square of its mean: it goes with the
+/// cosine c to the leaf's normal, which is evenly spread between 0 and 1 over leaves turned at random, E[c²]/E[c]² − 1.
 inline constexpr double kLeafTurnVariance = 1.0 / 3;
 
 /// Density, variance and state of every voxel (docs/density.md, "Slabs"). The slab of a voxel is the voxel and its
