@@ -20,6 +20,8 @@ constexpr double kMinEdge_m = 0.5;                // of the voxels: smaller ones
 constexpr double kLiftSigma_m = 0.003;            // of one pair
 constexpr double kMaxDeviations = 3;              // beyond, pairs cost no more: relief, grass
 constexpr int kSections = 8;
+constexpr double kStep = 1.03;  // from one resolution that is tried to the next
+constexpr int kSteps = 156;     // down to 1 cm
 
 struct GroundSurfel {
   double time_s = 0;
@@ -99,7 +101,8 @@ double misfit(std::span<const LiftPair> pairs, double resolution_m) {
 // The resolution of least misfit, to 3 %.
 double best_resolution(std::span<const LiftPair> pairs) {
   double best = kMaxRangeResolution_m, least = misfit(pairs, best);
-  for (double b = kMaxRangeResolution_m; b > 0.01; b /= 1.03) {
+  for (int k = 1; k < kSteps; ++k) {
+    const double b = kMaxRangeResolution_m * std::pow(kStep, -k);
     const double m = misfit(pairs, b);
     if (m < least) least = m, best = b;
   }
