@@ -39,10 +39,15 @@ Result<void> SpillFile::open() {
 Result<SpillFile::Extent> SpillFile::append(std::span<const std::byte> bytes) {
   RAYFIELD_CHECK(open());
   const Extent extent{end_.fetch_add(bytes.size()), bytes.size()};
+  RAYFIELD_CHECK(overwrite(extent, bytes));
+  return extent;
+}
+
+Result<void> SpillFile::overwrite(const Extent& extent, std::span<const std::byte> bytes) {
   Result<void> written =
       write_at(file_, extent.offset, bytes, "cannot write a temporary file", directory_.string(), kFreeSpace);
   if (!written) return of_resources(std::move(written).error());
-  return extent;
+  return {};
 }
 
 Result<void> SpillFile::read(const Extent& extent, std::span<std::byte> bytes) const {

@@ -119,18 +119,29 @@ std::optional<DerivedEntry> DerivedWriter::find(const NewDerived& what) const {
 }
 
 Result<DerivedEntry> DerivedWriter::put(const NewDerived& what, const ArraySet& arrays) {
+  return put_columns(what, arrays, {});
+}
+
+Result<DerivedEntry> DerivedWriter::put(const NewDerived& what, const StreamedArrays& arrays) {
+  return put_columns(what, arrays.arrays, arrays.streamed);
+}
+
+Result<DerivedEntry> DerivedWriter::put_columns(const NewDerived& what, const ArraySet& arrays,
+                                                const std::map<std::string, ColumnSource>& streamed) {
   RAYFIELD_CHECK(check_names(what));
   if (arrays.kind != what.kind)
     return fail(ErrorCode::internal, "cannot store derived data", what.kind + "/" + what.name,
                 "the arrays say that they are '" + arrays.kind + "'");
   if (auto found = find(what)) return *found;
-  RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, encode_arrays(arrays));
+  RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, encode_arrays(arrays, streamed));
   RAYFIELD_ASSIGN(FileEntry file, impl_->writer.write(bytes, layout::derived_directory(what.scan_id, what.kind),
                                                       [&](const std::string& sha256) {
                                                         return layout::derived_file_name(what.name, what.key, sha256);
                                                       }));
   return DerivedEntry{what.kind, what.name, what.key, std::move(file)};
 }
+
+fs::path DerivedWriter::scratch_folder() const { return impl_->store->folder / layout::kTemporary; }
 
 Result<void> DerivedWriter::set(const std::string& scan_id, std::vector<DerivedEntry> keep) {
   if (impl_->published(scan_id) == nullptr)

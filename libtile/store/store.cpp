@@ -180,6 +180,8 @@ Result<ArraySet> Store::read_derived(const DerivedEntry& entry) const {
   return arrays;
 }
 
+Result<ArrayReader> Store::open_derived(const DerivedEntry& entry) const { return ArrayReader::open(*store_, entry); }
+
 Result<std::string> Store::read_attachment(const AttachmentEntry& entry) const {
   RAYFIELD_ASSIGN(const std::vector<std::byte> bytes, store_->files.read(entry.file));
   return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -39,6 +39,19 @@ TEST(SpillFile, GivesBackWhatSeveralThreadsPutAside) {
     }
 }
 
+TEST(SpillFile, AnExtentThatIsOverwrittenHoldsTheNewBytesAndItsNeighboursTheirs) {
+  SpillFile file(std::filesystem::temp_directory_path());
+  const auto first = file.append(bytes_of(1, 5000)), second = file.append(bytes_of(2, 5000));
+  ASSERT_TRUE(first && second);
+  ASSERT_TRUE(file.overwrite(*first, bytes_of(3, 5000)));
+  EXPECT_EQ(file.bytes_written(), 10000u);
+  std::vector<std::byte> bytes(5000);
+  ASSERT_TRUE(file.read(*first, bytes));
+  EXPECT_EQ(bytes, bytes_of(3, 5000));
+  ASSERT_TRUE(file.read(*second, bytes));
+  EXPECT_EQ(bytes, bytes_of(2, 5000));
+}
+
 TEST(SpillFile, LeavesNoNameBehindAndStartsAnewWhenCleared) {
   const auto folder = std::filesystem::temp_directory_path() / "rayfield-spill-test";
   std::filesystem::create_directory(folder);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "rayfield/core/sha256.h"
 #include "tests/libtile/store_support.h"
@@ -53,6 +55,48 @@ TEST_F(Derived, WhatIsPutAndCommittedIsReadBack) {
   EXPECT_EQ(snapshot.registry.at(0).kind, "rows");
   EXPECT_TRUE(store_.read_derived(snapshot.registry[0]));
   EXPECT_TRUE(damage_of(store_).empty());
+}
+
+// More than one chunk, and the last one not full.
+std::vector<float> many_values() {
+  std::vector<float> values(300001);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 1013) / 7;
+  return values;
+}
+
+TEST_F(Derived, AColumnThatComesPartByPartMakesTheSameFile) {
+  auto writer = store_.write_derived();
+  ASSERT_TRUE(writer) << writer.error().line();
+  const std::vector<float> values = many_values();
+  ArraySet whole = ground(1);
+  whole.columns["a"] = std::vector<std::int32_t>{1, 2, 3};
+  StreamedArrays parts{whole, {}};
+  whole.columns["values"] = values;
+  std::uint64_t next = 0;
+  parts.streamed["values"] = {values.size(), [&](std::uint64_t first, std::span<float> part) -> Result<void> {
+                                EXPECT_EQ(std::exchange(next, first + part.size()), first);
+                                std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(first), part.size(),
+                                            part.begin());
+                                return {};
+                              }};
+  const auto at_once = writer->put(named("whole", "1"), whole), in_parts = writer->put(named("parts", "1"), parts);
+  ASSERT_TRUE(at_once && in_parts);
+  EXPECT_EQ(next, values.size());
+  EXPECT_EQ(at_once->file.sha256, in_parts->file.sha256);
+}
+
+TEST_F(Derived, WhatTheSourceOfAColumnFailsWithIsReturnedAndNoFileStays) {
+  auto writer = store_.write_derived();
+  ASSERT_TRUE(writer) << writer.error().line();
+  StreamedArrays parts{ground(1), {}};
+  parts.streamed["values"] = {200000, [](std::uint64_t first, std::span<float>) -> Result<void> {
+                                if (first == 0) return {};
+                                return fail(ErrorCode::resources, "cannot read", "there", "gone");
+                              }};
+  const auto put = writer->put(named("parts", "1"), parts);
+  ASSERT_FALSE(put.has_value());
+  EXPECT_EQ(put.error().code, ErrorCode::resources);
+  EXPECT_FALSE(writer->find(named("parts", "1")).has_value());
 }
 
 TEST_F(Derived, WithoutCommitNothingChangesButTheWorkIsFoundAgain) {

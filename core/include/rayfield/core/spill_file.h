@@ -26,6 +26,8 @@ class SpillFile {
   SpillFile& operator=(const SpillFile&) = delete;
 
   Result<Extent> append(std::span<const std::byte> bytes);
+  /// Replaces what an extent holds. `bytes` has its size.
+  Result<void> overwrite(const Extent& extent, std::span<const std::byte> bytes);
   /// Reads an extent. `bytes` has its size.
   Result<void> read(const Extent& extent, std::span<std::byte> bytes) const;
   /// Reads an extent and frees its space.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -32,6 +33,19 @@ struct ArraySet {
                   "column '" + name + "' is missing or of another type", "run `rayfield verify`");
     return std::span<const T>(std::get<std::vector<T>>(it->second));
   }
+};
+
+/// A column of floats that is too large to be in memory as a whole.
+struct ColumnSource {
+  std::uint64_t count = 0;
+  /// Fills `values` with the elements from `first` on. Called part by part in ascending order, each element once.
+  std::function<Result<void>(std::uint64_t first, std::span<float> values)> read;
+};
+
+/// Columns of which some come part by part; names do not repeat. Stored just as if all were in `arrays`.
+struct StreamedArrays {
+  ArraySet arrays;
+  std::map<std::string, ColumnSource> streamed;
 };
 
 }  // namespace rayfield::tile

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +30,10 @@ class DerivedWriter {
   /// A file of that kind, name and key written earlier (published or not), if it is there and intact.
   std::optional<DerivedEntry> find(const NewDerived& what) const;
   Result<DerivedEntry> put(const NewDerived& what, const ArraySet& arrays);
+  /// The same for columns that are too large to be in memory: their compressed form is.
+  Result<DerivedEntry> put(const NewDerived& what, const StreamedArrays& arrays);
+  /// Where files without a name may be made while the work goes on (SpillFile).
+  std::filesystem::path scratch_folder() const;
   /// `keep`: the complete set of derived entries that the scan (or, for "", the registry) shall have from now on.
   Result<void> set(const std::string& scan_id, std::vector<DerivedEntry> keep);
   Result<Snapshot> commit(const std::string& command);
@@ -36,6 +42,8 @@ class DerivedWriter {
   friend class Store;
   /// Takes the lock. Errors: locked.
   static Result<DerivedWriter> open(std::shared_ptr<const OpenStore> store);
+  Result<DerivedEntry> put_columns(const NewDerived& what, const ArraySet& arrays,
+                                   const std::map<std::string, ColumnSource>& streamed);
 
   struct Impl;
   std::shared_ptr<Impl> impl_;

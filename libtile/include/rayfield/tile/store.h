@@ -10,6 +10,7 @@
 #include "rayfield/core/ray_source.h"
 #include "rayfield/core/result.h"
 #include "rayfield/tile/add_options.h"
+#include "rayfield/tile/array_reader.h"
 #include "rayfield/tile/arrays.h"
 #include "rayfield/tile/derived_writer.h"
 #include "rayfield/tile/garbage.h"
@@ -91,6 +92,8 @@ class Store {
   Result<TileReader> open_tile(const TileEntry& tile) const;
 
   Result<ArraySet> read_derived(const DerivedEntry& entry) const;
+  /// The same file, to be read part by part. Errors: damaged.
+  Result<ArrayReader> open_derived(const DerivedEntry& entry) const;
   /// A file kept with a scan. Errors: damaged.
   Result<std::string> read_attachment(const AttachmentEntry& entry) const;
 
