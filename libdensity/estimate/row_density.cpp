@@ -2,92 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "libdensity/estimate/row_fill.h"
+#include "libdensity/estimate/row_wood.h"
 #include "libdensity/estimate/slab_density.h"
 #include "libdensity/tiles/rounding.h"
-#include "libdensity/voxels/voxel_index.h"
 
 namespace rayfield::density {
 namespace {
 
-constexpr int kRingPoints = 32;      // points round a cylinder
-constexpr double kRingStepM = 0.01;  // and between rings
-constexpr int kShareSamples = 8;     // per side of a column
-
-/// The along index whose column stands nearest to a map point, with its voxel coordinates in that row segment.
-struct Located {
-  int along = 0;
-  Eigen::Vector3d grid = Eigen::Vector3d::Zero();
-};
-
-/// `first`: along index of each row segment's first column. Points beyond the row's ends go to its first or last
-/// column.
-Located locate(const RowDensity& row, const std::vector<int>& first, const Eigen::Vector3d& p) {
-  double best = 1e30;
-  Located out;
-  for (std::size_t s = 0; s < row.row_segments.size(); ++s) {
-    const RowSegment& row_segment = row.row_segments[s];
-    const Eigen::Vector3d g = GridFrame(row_segment).grid_from_map(p);
-    const double beyond = std::max({0.0, -g.x(), g.x() - row_segment.n_along});
-    if (beyond >= best) continue;
-    best = beyond;
-    out.along = first[s] + std::clamp(floor_int(g.x()), 0, row_segment.n_along - 1);
-    out.grid = g;
-    out.grid.y() += std::round((row_segment.across_min_m - row.across_min_m) / row.voxel_m);
-    out.grid.z() += std::round((row_segment.up_min_m - row.up_min_m) / row.voxel_m);
-  }
-  return out;
-}
-
+/// Along index of each row segment's first column.
 std::vector<int> first_columns(const RowDensity& row) {
   std::vector<int> first;
   int along = 0;
   for (const RowSegment& s : row.row_segments) first.push_back(along), along += s.n_along;
   return first;
-}
-
-/// Half the cylinder's surface from up_min_m above the ground upwards, shared out to the voxels it lies in.
-void add_wood_area(RowDensity& row, const std::vector<int>& first, const WoodCylinder& wood) {
-  const Eigen::Vector3d e1 = wood.axis.unitOrthogonal(), e2 = wood.axis.cross(e1);
-  const int rings = std::max(1, ceil_int(wood.length_m / kRingStepM));
-  const double area = std::numbers::pi * wood.radius_m * wood.length_m / (rings * kRingPoints);
-  for (int ring = 0; ring < rings; ++ring)
-    for (int k = 0; k < kRingPoints; ++k) {
-      const double angle = 2 * std::numbers::pi * (k + 0.5) / kRingPoints;
-      const Eigen::Vector3d p = wood.base + wood.axis * (wood.length_m * (ring + 0.5) / rings) +
-                                wood.radius_m * (std::cos(angle) * e1 + std::sin(angle) * e2);
-      const Located at = locate(row, first, p);
-      if (at.grid.z() < 0) continue;
-      const int across = std::clamp(floor_int(at.grid.y()), 0, row.n_across - 1);
-      const int up = std::clamp(floor_int(at.grid.z()), 0, row.n_up - 1);
-      row.wood_area[row.index(at.along, across, up)] += static_cast<float>(area);
-    }
-}
-
-/// Share of each column that lies outside the cylinder (taken as upright and as high as the canopy).
-void take_free_share(RowDensity& row, const WoodCylinder& wood) {
-  const Eigen::Vector2d base = wood.base.head<2>() + 0.5 * wood.length_m * wood.axis.head<2>();
-  const double reach = wood.radius_m + row.voxel_m;
-  for (int a = 0; a < row.n_along; ++a) {
-    const RowSegment& s = row.row_segment(a);
-    const Eigen::Vector2d u = s.direction, v(-u.y(), u.x());
-    for (int c = 0; c < row.n_across; ++c) {
-      const Eigen::Vector2d from_axis = row.center(a, c) - base;
-      if (from_axis.norm() > reach) continue;
-      int inside = 0;
-      for (int i = 0; i < kShareSamples; ++i)
-        for (int j = 0; j < kShareSamples; ++j) {
-          const Eigen::Vector2d q =
-              from_axis + row.voxel_m * (((i + 0.5) / kShareSamples - 0.5) * u + ((j + 0.5) / kShareSamples - 0.5) * v);
-          if (q.norm() < wood.radius_m) ++inside;
-        }
-      float& share = row.free_share[row.column_index(a, c)];
-      share = std::max(0.0F, share - static_cast<float>(inside) / (kShareSamples * kShareSamples));
-    }
-  }
 }
 
 Result<void> check_lattice(const RowDensity& row, const RowSegment& s) {
@@ -211,12 +141,7 @@ RowDensity RowDensityBuilder::finish() && {
   }
   counters_.clear(), echoes_.clear();
   counters_.shrink_to_fit(), echoes_.shrink_to_fit();
-  if (!wood_.empty()) {
-    r.wood_area.assign(r.density.size(), 0);
-    r.free_share.assign(r.shape().columns(), 1);
-    const std::vector<int> first = first_columns(r);
-    for (const WoodCylinder& w : wood_) add_wood_area(r, first, w), take_free_share(r, w);
-  }
+  add_wood(r, wood_);
   return std::move(row_);
 }
 
