@@ -81,6 +81,17 @@ std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::st
   return source.hex();
 }
 
+Result<void> write_map(const density::StoredRaster& raster, const std::string& crs, const std::string& path,
+                       const formats::GeoTiffOptions& options) {
+  const RasterProduct& product = raster.product();
+  const formats::RasterLayout layout{product.name,        product.unit,    product.description, product.grid.origin,
+                                     product.grid.cell_m, product.grid.nx, product.grid.ny};
+  const auto read = [&](int iy_begin, int row_count, std::span<float> values) {
+    return raster.read_rows(iy_begin, row_count, values);
+  };
+  return formats::write_cog(layout, read, crs, path, options);
+}
+
 // The rasters of one scan, and the picture of its density map.
 Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
                             const BlockProducts& block, const std::string& layout, const std::string& overlay,
@@ -95,16 +106,17 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
         folder.wants(stem + ".png",
                      Source("png").add(scan.name).add(scan.date).add(layout).add(overlay).add(values).hex());
     if (!tiff && !png) continue;
-    RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
     if (tiff) {
+      RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
       formats::GeoTiffOptions write;
       write.metadata = {{"scan_id", scan.scan_id},
                         {"scan_date", scan.date},
                         {"snapshot", std::to_string(block.snapshot)},
                         {"source_sha256", values}};
-      RAYFIELD_CHECK(formats::write_cog(raster, block.crs, folder.path(stem + ".tif"), write));
+      RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + ".tif"), write));
     }
     if (png) {
+      RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
       formats::PictureOptions picture;
       picture.title = block.block;
       picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
@@ -116,12 +128,14 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
 }
 
 // Side views of all rows on one sheet, end-on sections on another.
-Result<void> export_sections(const ScanResults& results, const BlockProducts& block, const std::string& source,
-                             ExportFolder& folder) {
+Result<void> export_sections(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                             const BlockProducts& block, const std::string& source, ExportFolder& folder) {
   for (const auto& [kind, title] : {std::pair{"side_view", "side views"}, std::pair{"end_on", "end-on sections"}}) {
+    const std::string name = fmt::format("{}_{}_{}.png", block.block, scan.scan_id, kind);
+    if (!folder.wants(name, source)) continue;
+    RAYFIELD_ASSIGN(const std::vector<SectionProduct> sections, density::load_sections(store, snapshot, scan, kind));
     std::vector<formats::LabelledSection> sheet;
-    for (const SectionProduct& section : results.sections) {
-      if (section.name.rfind(kind, 0) != 0) continue;
+    for (const SectionProduct& section : sections) {
       formats::LabelledSection labelled{&section, fmt::format("row {}", section.row_number), {}};
       if (std::string_view(kind) == "side_view") {
         for (const PostProduct& post : block.posts)
@@ -129,11 +143,9 @@ Result<void> export_sections(const ScanResults& results, const BlockProducts& bl
       }
       sheet.push_back(std::move(labelled));
     }
-    const std::string name = fmt::format("{}_{}_{}.png", block.block, results.scan.scan_id, kind);
-    if (sheet.empty() || !folder.wants(name, source)) continue;
     formats::PictureOptions picture;
     picture.title = fmt::format("{}, {}", block.block, title);
-    picture.subtitle = results.scan.scan_date;
+    picture.subtitle = scan.date;
     RAYFIELD_CHECK(formats::write_section_picture(sheet, folder.path(name), picture));
   }
   return {};
@@ -201,7 +213,9 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
     const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
     RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, layout, overlay, options, output));
     const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
-    if (options.formats.count("png") > 0) RAYFIELD_CHECK(export_sections(results, block, sections, output));
+    // A scan that shows no row has neither half metres nor sections.
+    if (options.formats.count("png") > 0 && !results.row_metres.empty())
+      RAYFIELD_CHECK(export_sections(store, snapshot, scan, block, sections, output));
     progress.advance(1);
   }
   RAYFIELD_CHECK(output.publish(snapshot.number, content));

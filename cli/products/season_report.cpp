@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 
 #include "cli/console/output_paths.h"
 #include "rayfield/density/load.h"
@@ -50,17 +51,21 @@ std::string stack_label(const std::vector<SeasonValue>& values, int row, const S
 }
 
 // One row's side views, date under date.
-Result<void> write_row_stack(const BlockProducts& block, const std::vector<SeasonValue>& values, const RowProduct& row,
-                             const fs::path& folder, Paths& written) {
+Result<void> write_row_stack(const tile::Store& store, const tile::Snapshot& snapshot, const BlockProducts& block,
+                             const std::vector<SeasonValue>& values, const RowProduct& row, const fs::path& folder,
+                             Paths& written) {
+  std::list<std::vector<SectionProduct>> views;
   std::vector<formats::LabelledSection> dates;
-  for (const ScanResults& results : block.scans)
-    for (const SectionProduct& section : results.sections) {
-      if (section.row_number != row.row_number || section.name.rfind("side_view", 0) != 0) continue;
+  for (const ScanResults& results : block.scans) {
+    const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
+    RAYFIELD_ASSIGN(auto of_scan, density::load_sections(store, snapshot, scan, "side_view", row.row_number));
+    for (const SectionProduct& section : views.emplace_back(std::move(of_scan))) {
       formats::LabelledSection labelled{&section, stack_label(values, row.row_number, results.scan), {}};
       for (const PostProduct& post : block.posts)
         if (post.row_number == row.row_number) labelled.marks_m.push_back(post.chainage_m);
       dates.push_back(std::move(labelled));
     }
+  }
   if (dates.empty()) return {};
   formats::PictureOptions options;
   options.title = fmt::format("{}, row {}", block.block, row.row_number);
@@ -90,7 +95,7 @@ Result<SeasonReport> report_season(const tile::Store& store, const std::optional
   for (const RowProduct& row : block.rows) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder->string(), "", "run the same command again");
-    RAYFIELD_CHECK(write_row_stack(block, report.values, row, *folder, report.files));
+    RAYFIELD_CHECK(write_row_stack(store, snapshot, block, report.values, row, *folder, report.files));
     progress.advance(1);
   }
   return report;

@@ -79,7 +79,8 @@ double overlap_area(std::span<const Eigen::Vector2d> polygon, const Eigen::Vecto
 }
 
 Result<PlanRaster> PlanRaster::create(const RasterFrame& frame, std::span<const RowSegment> row_segments,
-                                      const PlanRasterOptions& options) {
+                                      const PlanRasterOptions& options, std::size_t bytes,
+                                      const std::filesystem::path& folder) {
   RAYFIELD_CHECK(options.validate());
   if (row_segments.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
   for (const RowSegment& s : row_segments) {
@@ -90,57 +91,88 @@ Result<PlanRaster> PlanRaster::create(const RasterFrame& frame, std::span<const 
           return fail(ErrorCode::internal, "cannot make maps", "row " + std::to_string(s.row),
                       "its voxels reach beyond the block's maps", "please report this");
   }
-  PlanRaster out;
-  out.options_ = options;
-  out.cells_ = Grid2<Cell>(frame.origin, frame.cell_m, frame.nx, frame.ny);
-  return out;
+  return PlanRaster(frame, options, bytes, folder);
 }
 
-void PlanRaster::add(const RowDensity& row) {
-  const double cell = cells_.cell_m, square = row.voxel_m * row.voxel_m;
+Result<void> PlanRaster::add_column(const RowDensity& row, int along, int across, std::vector<double>& layers) {
+  const double cell = frame_.cell_m, square = row.voxel_m * row.voxel_m;
+  const Column column = column_of(row, along, across, options_.height_share, layers);
+  if (!column.seen) return {};
+  const std::array<Eigen::Vector2d, 4> corners = column_square(row, along, across);
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& p : corners) box.extend(p);
+  const Eigen::Vector2d low = (box.min() - frame_.origin) / cell, high = (box.max() - frame_.origin) / cell;
+  const int x0 = std::clamp(floor_int(low.x()), 0, frame_.nx - 1),
+            x1 = std::clamp(floor_int(high.x()), 0, frame_.nx - 1);
+  const int y0 = std::clamp(floor_int(low.y()), 0, frame_.ny - 1),
+            y1 = std::clamp(floor_int(high.y()), 0, frame_.ny - 1);
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d corner = frame_.origin + cell * Eigen::Vector2d(x, y);
+      const double overlap = overlap_area(corners, corner, corner.array() + cell);
+      if (!(overlap > 0)) continue;
+      const double share = overlap / square;
+      RAYFIELD_ASSIGN(Cell* const out, cells_.at(x, y));
+      out->area += share * column.area, out->variance += share * share * column.variance;
+      out->seen += overlap;
+      if (column.canopy) out->height += overlap * column.height, out->canopy += overlap;
+    }
+  return {};
+}
+
+Result<void> PlanRaster::add(const RowDensity& row) {
   std::vector<double> layers;
   for (int a = 0; a < row.n_along; ++a)
-    for (int c = 0; c < row.n_across; ++c) {
-      const Column column = column_of(row, a, c, options_.height_share, layers);
-      if (!column.seen) continue;
-      const std::array<Eigen::Vector2d, 4> corners = column_square(row, a, c);
-      Eigen::AlignedBox2d box;
-      for (const Eigen::Vector2d& p : corners) box.extend(p);
-      const Eigen::Vector2d low = (box.min() - cells_.origin) / cell, high = (box.max() - cells_.origin) / cell;
-      const int x0 = std::clamp(floor_int(low.x()), 0, cells_.nx - 1),
-                x1 = std::clamp(floor_int(high.x()), 0, cells_.nx - 1);
-      const int y0 = std::clamp(floor_int(low.y()), 0, cells_.ny - 1),
-                y1 = std::clamp(floor_int(high.y()), 0, cells_.ny - 1);
-      for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-          const Eigen::Vector2d corner = cells_.origin + cell * Eigen::Vector2d(x, y);
-          const double overlap = overlap_area(corners, corner, corner.array() + cell);
-          if (!(overlap > 0)) continue;
-          const double share = overlap / square;
-          Cell& out = cells_.at(x, y);
-          out.area += share * column.area, out.variance += share * share * column.variance;
-          out.seen += overlap;
-          if (column.canopy) out.height += overlap * column.height, out.canopy += overlap;
-        }
-    }
+    for (int c = 0; c < row.n_across; ++c) RAYFIELD_CHECK(add_column(row, a, c, layers));
+  return {};
 }
 
-std::vector<RasterProduct> PlanRaster::finish() const {
-  const Grid2<float> blank(cells_.origin, cells_.cell_m, cells_.nx, cells_.ny, kNaN);
-  std::vector<RasterProduct> out = {
-      {"plan_density", "m2/m2", "One-sided plant area (leaves, wood, posts, wires) above a square metre of ground",
-       blank},
-      {"plan_density_se", "m2/m2", "Standard error of plan_density", blank},
-      {"canopy_height", "m", "Height above the ground below which 97 % of the plant area of a column lies", blank}};
-  const double cell_area = cells_.cell_m * cells_.cell_m;
-  for (std::size_t i = 0; i < cells_.values.size(); ++i) {
-    const Cell& c = cells_.values[i];
-    if (!(c.seen > 0)) continue;
-    out[0].grid.values[i] = static_cast<float>(c.area / cell_area);
-    out[1].grid.values[i] = static_cast<float>(std::sqrt(c.variance) / cell_area);
-    out[2].grid.values[i] = c.canopy > 0 ? static_cast<float>(c.height / c.canopy) : 0.0F;
+Result<void> PlanRaster::mark_scanned(const Eigen::Vector2d& p) {
+  const Eigen::Vector2d c = (p - frame_.origin) / frame_.cell_m;
+  const int ix = floor_int(c.x()), iy = floor_int(c.y());
+  if (ix < 0 || iy < 0 || ix >= frame_.nx || iy >= frame_.ny) return {};
+  RAYFIELD_ASSIGN(Cell* const cell, cells_.at(ix, iy));
+  cell->scanned = true;
+  return {};
+}
+
+std::vector<RasterProduct> PlanRaster::maps() const {
+  Grid2<float> frame(frame_.origin, frame_.cell_m, 0, 0);
+  frame.nx = frame_.nx, frame.ny = frame_.ny;
+  return {{"plan_density", "m2/m2", "One-sided plant area (leaves, wood, posts, wires) above a square metre of ground",
+           frame},
+          {"plan_density_se", "m2/m2", "Standard error of plan_density", frame},
+          {"canopy_height", "m", "Height above the ground below which 97 % of the plant area of a column lies", frame}};
+}
+
+float PlanRaster::value(const Cell& c, std::size_t map) const {
+  if (!(c.seen > 0)) return c.scanned ? 0 : kNaN;
+  const double cell_area = frame_.cell_m * frame_.cell_m;
+  if (map == 0) return static_cast<float>(c.area / cell_area);
+  if (map == 1) return static_cast<float>(std::sqrt(c.variance) / cell_area);
+  return c.canopy > 0 ? static_cast<float>(c.height / c.canopy) : 0.0F;
+}
+
+Result<void> PlanRaster::read(std::size_t map, std::uint64_t first, std::span<float> values) {
+  const auto nx = static_cast<std::uint64_t>(frame_.nx), of_band = nx * PagedGrid<Cell>::kSide;
+  for (std::size_t done = 0; done < values.size();) {
+    const std::uint64_t at = first + done;
+    const int number = static_cast<int>(at / of_band);
+    if (band_.map != map || band_.number != number) {
+      band_.map = map, band_.number = -1;
+      band_.values.assign(of_band, kNaN);
+      const std::uint64_t begin = static_cast<std::uint64_t>(number) * of_band;
+      RAYFIELD_CHECK(cells_.visit_band(number, [&](int ix, int iy, const Cell& cell) {
+        band_.values[static_cast<std::uint64_t>(iy) * nx + static_cast<std::uint64_t>(ix) - begin] = value(cell, map);
+      }));
+      band_.number = number;
+    }
+    const std::size_t within = at % of_band, part = std::min<std::size_t>(of_band - within, values.size() - done);
+    std::copy_n(band_.values.begin() + static_cast<std::ptrdiff_t>(within), part,
+                values.begin() + static_cast<std::ptrdiff_t>(done));
+    done += part;
   }
-  return out;
+  return {};
 }
 
 }  // namespace rayfield::density

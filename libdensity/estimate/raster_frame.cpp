@@ -1,6 +1,5 @@
 #include "libdensity/estimate/raster_frame.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -46,21 +45,17 @@ Result<RasterFrame> ground_frame(const RowLayout& layout, double cell_m) {
   return frame_of_rows(layout, kGroundMargin_m, cell_m);
 }
 
-Result<Grid2<float>> fit_to_frame(const Grid2<float>& map, const RasterFrame& frame) {
+Result<FittedMap> FittedMap::create(const Grid2<float>& map, const RasterFrame& frame) {
   const Eigen::Vector2d shift = (map.origin - frame.origin) / frame.cell_m;
   const Eigen::Vector2d whole = shift.array().round();
   if (std::abs(map.cell_m - frame.cell_m) > 1e-9 * frame.cell_m || !((shift - whole).cwiseAbs().maxCoeff() < 1e-3))
     return fail(ErrorCode::usage, "cannot lay maps upon each other", "block", "their cells differ",
                 "run `rayfield process` so that all dates are mapped alike");
-  Grid2<float> out(frame.origin, frame.cell_m, frame.nx, frame.ny, std::numeric_limits<float>::quiet_NaN());
-  const int dx = round_int(whole.x()), dy = round_int(whole.y());
-  const int first = std::max(0, -dx), last = std::min(map.nx, frame.nx - dx);
-  if (first >= last) return out;
-  for (int y = std::max(0, -dy); y < std::min(map.ny, frame.ny - dy); ++y)
-    std::copy(map.values.begin() + static_cast<std::ptrdiff_t>(map.index(first, y)),
-              map.values.begin() + static_cast<std::ptrdiff_t>(map.index(last - 1, y)) + 1,
-              out.values.begin() + static_cast<std::ptrdiff_t>(out.index(first + dx, y + dy)));
-  return out;
+  FittedMap fitted;
+  fitted.frame_ = frame;
+  fitted.dx_ = round_int(whole.x()), fitted.dy_ = round_int(whole.y());
+  fitted.nx_ = map.nx, fitted.ny_ = map.ny;
+  return fitted;
 }
 
 }  // namespace rayfield::density

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
 
 #include "libdensity/layout/row_layout.h"
 #include "rayfield/core/grid2.h"
@@ -35,8 +39,27 @@ Result<RasterFrame> plan_frame(const RowLayout& layout, double cell_m);
 /// Of the ground's map: the rows, and 10 m of headland around them.
 Result<RasterFrame> ground_frame(const RowLayout& layout, double cell_m);
 
-/// A map moved into a frame by whole cells: cells outside are dropped, missing ones are NaN. Errors: usage, when its
-/// cells have another size or do not lie on the frame's.
-Result<Grid2<float>> fit_to_frame(const Grid2<float>& map, const RasterFrame& frame);
+/// A map moved into a frame by whole cells: cells outside are dropped, missing ones are NaN.
+class FittedMap {
+ public:
+  /// `map`: needs no values. Errors: usage, when its cells have another size or do not lie on the frame's.
+  static Result<FittedMap> create(const Grid2<float>& map, const RasterFrame& frame);
+
+  const RasterFrame& frame() const { return frame_; }
+  /// One row of the frame. read(first, values) → Result<void> fills `values` with the map's from index `first` on.
+  template <class Read>
+  Result<void> read_row(int iy, std::span<float> row, Read&& read) const {
+    std::fill(row.begin(), row.end(), std::numeric_limits<float>::quiet_NaN());
+    const int y = iy - dy_, first = std::max(0, -dx_), last = std::min(nx_, frame_.nx - dx_);
+    if (y < 0 || y >= ny_ || first >= last) return {};
+    const auto width = static_cast<std::size_t>(last - first);
+    return read(static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(nx_) + static_cast<std::uint64_t>(first),
+                row.subspan(static_cast<std::size_t>(first + dx_), width));
+  }
+
+ private:
+  RasterFrame frame_;
+  int dx_ = 0, dy_ = 0, nx_ = 0, ny_ = 0;  // the map's first cell in the frame; its size
+};
 
 }  // namespace rayfield::density

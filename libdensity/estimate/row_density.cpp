@@ -127,20 +127,34 @@ Result<void> RowDensityBuilder::add(const TileVoxels& tile) {
   return {};
 }
 
+std::size_t RowDensityBuilder::peak_bytes(const Shape3& shape, bool wide) {
+  constexpr std::size_t kSums = sizeof(VoxelSums);
+  constexpr std::size_t kDensity = 2 * sizeof(float) + sizeof(VoxelState) + sizeof(float);  // with masked wood
+  const std::size_t counted = kSums + sizeof(VoxelCounters) + (wide ? sizeof(EchoCounters) : 0);
+  const std::size_t in_slabs = kSums + kDensity + 2 * sizeof(double);
+  const std::size_t filled = shape.size() * (kSums + kDensity) + fill_bytes(shape);
+  return std::max(shape.size() * std::max(counted, in_slabs), filled);
+}
+
 RowDensity RowDensityBuilder::finish() && {
   RowDensity& r = row_;
-  r.density.assign(counters_.size(), 0);
-  r.variance.assign(counters_.size(), 0);
-  r.state.assign(counters_.size(), VoxelState::unobserved);
+  const std::size_t voxels = counters_.size();
+  const auto assign = [&] {
+    r.density.assign(voxels, 0);
+    r.variance.assign(voxels, 0);
+    r.state.assign(voxels, VoxelState::unobserved);
+  };
   if (options_.estimator == Estimator::paper) {
+    assign();
     estimate_paper(r, counters_, static_cast<std::uint32_t>(options_.paper_min_rays));
+    counters_ = {}, echoes_ = {};
   } else {
     const std::vector<VoxelSums> sums = model_ ? wide_beam_sums(counters_, echoes_, *model_) : thin_ray_sums(counters_);
+    counters_ = {}, echoes_ = {};
+    assign();
     estimate_slabs(r, sums);
     pool_and_fill(r, sums);
   }
-  counters_.clear(), echoes_.clear();
-  counters_.shrink_to_fit(), echoes_.shrink_to_fit();
   add_wood(r, wood_);
   return std::move(row_);
 }

@@ -60,9 +60,13 @@ struct RowDensity {
 };
 
 /// Collects the voxels of one row from the tiles it runs through, in any order and one tile at a time, and estimates
-/// its density. Memory: 32 B per voxel while collecting (18 MB per 100 m of row at 7 cm), 72 B with a model.
+/// its density.
 class RowDensityBuilder {
  public:
+  /// Memory that a row of that shape takes at most, from create() until its RowDensity is dropped: about 100 B per
+  /// voxel (56 MB per 100 m of row at 7 cm). `wide`: with a model.
+  static std::size_t peak_bytes(const Shape3& shape, bool wide);
+
   /// `row_segments`: of that row (others are ignored); all with one voxel size, on one lattice across and upwards
   /// (across_min_m and up_min_m whole voxels apart). `wood`: as given to the accumulators. `pairs`: of the whole scan;
   /// tells the leaf size unless the options or the model do. `model`: of beams that are not thin, whose tiles have

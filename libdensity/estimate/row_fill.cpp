@@ -196,6 +196,10 @@ void pool_and_fill(RowDensity& row, std::span<const VoxelSums> sums) {
   }
 }
 
+std::size_t fill_bytes(const Shape3& shape) {
+  return Shape3{shape.ni + 1, kDepths + 1, shape.nk}.size() * sizeof(Sum) + shape.size() * sizeof(int);
+}
+
 void estimate_paper(RowDensity& row, std::span<const VoxelCounters> counters, std::uint32_t min_rays) {
   for (int a = 0; a < row.n_along; ++a)
     for (int c = 0; c < row.n_across; ++c)

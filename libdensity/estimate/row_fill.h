@@ -15,6 +15,8 @@ namespace rayfield::density {
 /// voxels (chessboard) in the cross-section to the nearest voxel that was seen and is empty, or to the outside.
 /// Cross-sections of which less than half was seen are not filled: nothing is invented where nobody looked.
 void pool_and_fill(RowDensity& row, std::span<const VoxelSums> sums);
+/// Memory that pool_and_fill() takes beside the row and the sums.
+std::size_t fill_bytes(const Shape3& shape);
 
 /// Density of every voxel by the published method: (n−1)/n·m/S over the voxel and, while n < min_rays, its neighbours
 /// within a cube that grows by one voxel each way (at most six).

@@ -13,8 +13,8 @@ namespace rayfield::density {
 class SensorTrack {
  public:
   SensorTrack() = default;
-  /// `points`: of join_path(), ascending in time; linear in between, and on from the first and the last two (the points
-  /// are means over time steps, so that rays begin before the first of them).
+  /// `points`: of ScanSurvey::path(), ascending in time; linear in between, and on from the first and the last two (the
+  /// points are means over time steps, so that rays begin before the first of them).
   explicit SensorTrack(std::vector<PathPoint> points) : points_(std::move(points)) {}
 
   bool empty() const { return points_.empty(); }

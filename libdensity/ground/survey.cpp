@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "libdensity/tiles/fixed_point.h"
 #include "libdensity/tiles/rounding.h"
@@ -14,14 +13,12 @@ namespace {
 constexpr std::size_t kPassageStride = 8;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-void add_sum(PathSum& into, const PathSum& more) {
-  into.count += more.count;
-  into.east += more.east, into.north += more.north, into.up += more.up;
-}
-
 // Adds to the entry of the same step, keeping the steps ascending; steps mostly arrive in order.
 void add_path(std::vector<PathSum>& path, const PathSum& sum) {
-  if (!path.empty() && path.back().step == sum.step) return add_sum(path.back(), sum);
+  if (!path.empty() && path.back().step == sum.step) {
+    path.back() += sum;
+    return;
+  }
   if (path.empty() || path.back().step < sum.step) {
     path.push_back(sum);
     return;
@@ -29,13 +26,19 @@ void add_path(std::vector<PathSum>& path, const PathSum& sum) {
   const auto it = std::lower_bound(path.begin(), path.end(), sum.step,
                                    [](const PathSum& a, std::int64_t step) { return a.step < step; });
   if (it->step == sum.step) {
-    add_sum(*it, sum);
+    *it += sum;
   } else {
     path.insert(it, sum);
   }
 }
 
 }  // namespace
+
+PathSum& PathSum::operator+=(const PathSum& more) {
+  count += more.count;
+  east += more.east, north += more.north, up += more.up;
+  return *this;
+}
 
 std::span<const LowBin> TileSurvey::cell_bins(int ix, int iy) const {
   const std::size_t cell =
@@ -180,33 +183,6 @@ TileSurvey SurveyAccumulator::finish() const {
   out.lowest_hit_m = hits_ ? lowest_ : kNaN;
   out.highest_hit_m = hits_ ? highest_ : kNaN;
   return out;
-}
-
-bool holds_downward_misses(std::span<const TileSurvey> surveys) {
-  std::int64_t above = 0, below = 0;
-  for (const TileSurvey& survey : surveys) above += survey.misses_above, below += survey.misses_below;
-  return below > 0 && 50 * below >= above;
-}
-
-std::vector<PathPoint> join_path(std::span<const TileSurvey* const> surveys) {
-  std::map<std::int64_t, PathSum> sums;
-  double step_s = 0.1;
-  for (const TileSurvey* survey : surveys) {
-    step_s = survey->path_step_s;
-    for (const PathSum& sum : survey->path) {
-      auto [it, fresh] = sums.try_emplace(sum.step, sum);
-      if (!fresh) add_sum(it->second, sum);
-    }
-  }
-  std::vector<PathPoint> path;
-  path.reserve(sums.size());
-  for (const auto& [step, sum] : sums) {
-    const double n = static_cast<double>(sum.count);
-    path.push_back(
-        {(static_cast<double>(step) + 0.5) * step_s,
-         Eigen::Vector3d(metres_from_fixed(sum.east), metres_from_fixed(sum.north), metres_from_fixed(sum.up)) / n});
-  }
-  return path;
 }
 
 }  // namespace rayfield::density

@@ -18,6 +18,7 @@ struct PathSum {
   std::int64_t step = 0;  ///< floor(time / path_step_s)
   std::int64_t count = 0;
   std::int64_t east = 0, north = 0, up = 0;  ///< sums of coordinates, 0.1 mm
+  PathSum& operator+=(const PathSum& more);
 };
 
 /// One bin of a cell's low histogram.
@@ -85,18 +86,10 @@ class SurveyAccumulator {
   double first_time_s_, last_time_s_, lowest_, highest_;
 };
 
-/// Whether a scan kept its downward rays without a return, or had them restored (MissingRaySource): most clouds leave
-/// them out. `surveys`: of all its tiles. A fiftieth of the upward ones is more than a cloud that dropped them can have
-/// by a tilt of its frame, and less than any lidar of 100 m range or less on level ground keeps.
-bool holds_downward_misses(std::span<const TileSurvey> surveys);
-
 /// The vehicle's position at one moment.
 struct PathPoint {
   double time_s = 0;  ///< middle of the time step
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
-
-/// Joins the path sums of all tiles into the trajectory of the sensor, ascending in time.
-std::vector<PathPoint> join_path(std::span<const TileSurvey* const> surveys);
 
 }  // namespace rayfield::density

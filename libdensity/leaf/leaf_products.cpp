@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/estimate/plan_raster.h"
@@ -21,6 +22,7 @@
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/voxels/voxel_arrays.h"
+#include "rayfield/core/parallel.h"
 #include "rayfield/density/load.h"
 
 namespace rayfield::density {
@@ -30,7 +32,7 @@ constexpr const char* kWoodPrefix = "wood_";
 
 struct LeafMaps {
   LeafValues values;
-  RasterProduct raster;
+  PlanRaster plan;
 };
 
 // The dormant scan's counters on this scan's voxels.
@@ -71,62 +73,104 @@ void scale_density(RowDensity& row, double scale) {
   for (float& variance : row.variance) variance = static_cast<float>(scale * scale * static_cast<double>(variance));
 }
 
-// The leaves of one row; appends to the maps. `panel`: the next of the results' panels.
-void integrate_row(const ScanWork& work, const Row& row, std::span<const Panel> panels, double spacing_m,
-                   const IntegrationOptions& integration, const RowDensity& leaf, const RowDensity& wood,
-                   std::size_t& panel, LeafMaps& maps, PlanRaster& raster) {
-  const std::vector<LeafSum> sums = leaf_of_panels(leaf, wood, panels);
-  for (std::size_t i = 0; i < sums.size(); ++i)
-    set_leaf_area(maps.values.panels[panel++], sums[i], panels[i].end_m - panels[i].start_m, spacing_m, integration,
-                  work.options.leaf);
-  for (const double area : leaf_of_metres(leaf, row.length_m(), integration.metre_step_m))
-    maps.values.metres.push_back(area);
-  raster.add(leaf);
+// One row of both scans.
+struct RowLeaves {
+  std::optional<RowDensity> leaf;
+  std::vector<LeafSum> panels;
+  std::vector<double> metres;
+};
+
+// How the densities of rows are estimated, and what follows from the leaves' size.
+struct LeafEstimate {
+  EstimatorOptions options;
+  double scale = 1;
+};
+
+Result<LeafEstimate> estimate_of(ScanWork& work, const ScanVoxels& voxels, const CountedWood& counted) {
+  LeafEstimate estimate{work.options.estimator};
+  RAYFIELD_ASSIGN(const std::optional<double> leaf_size_m2, leaf_size_of(work, voxels, counted));
+  if (!leaf_size_m2) return estimate;
+  estimate.options.leaf_size_m2 = *leaf_size_m2;
+  const std::vector<RowSegment>& row_segments = voxels.row_segments.row_segments;
+  if (!row_segments.empty())
+    estimate.scale = scale_to_fitted_voxels(*leaf_size_m2, row_segments.front().voxel_m, work.options.voxel_fit);
+  return estimate;
+}
+
+Result<RowDensity> leaves_of_row(int row, const ScanVoxels& voxels, const CountedWood& counted, RowVoxels& plant,
+                                 RowVoxels& wood, const LeafEstimate& estimate, RowLeaves& out) {
+  EstimatorOptions options = estimate.options;
+  RAYFIELD_ASSIGN(RowDensity of_plant, plant.density(row, voxels.row_segments, voxels.wood, options, voxels.echoes));
+  options.leaf_size_m2 = of_plant.leaf_size_m2;
+  RAYFIELD_ASSIGN(RowDensity of_wood, wood.density(row, voxels.row_segments, voxels.wood, options, counted.echoes));
+  // The published method knows nothing of how leaves are turned.
+  if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
+  RAYFIELD_ASSIGN(out.leaf, subtract_wood(std::move(of_plant), of_wood));
+  scale_density(*out.leaf, estimate.scale);
+  return of_wood;
 }
 
 // Rows in the order in which the results were made of them.
 Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
-                               const CountedWood& counted, ScanResults results, const RasterProduct& plan) {
-  LeafMaps maps;
-  maps.values.panels = std::move(results.panel_values);
-  const std::size_t bytes = work.options.memory_bytes / 16;
+                               const CountedWood& counted, std::vector<PanelValue> panel_values) {
+  const std::size_t bytes = work.memory.tiles_bytes / 2;
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
   RAYFIELD_ASSIGN(const RasterFrame frame, plan_frame(layout, work.options.plan.cell_m));
-  RAYFIELD_ASSIGN(PlanRaster raster, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan));
+  RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan,
+                                                      work.memory.maps_bytes, work.files.scratch_folder()));
+  LeafMaps maps{{}, std::move(plan)};
+  maps.values.panels = std::move(panel_values);
   work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
-  RAYFIELD_ASSIGN(const std::optional<double> leaf_size_m2, leaf_size_of(work, voxels, counted));
-  double scale = 1;
-  if (leaf_size_m2 && !voxels.row_segments.row_segments.empty())
-    scale =
-        scale_to_fitted_voxels(*leaf_size_m2, voxels.row_segments.row_segments.front().voxel_m, work.options.voxel_fit);
-  std::size_t panel = 0;
-  for (const Row& row : layout.rows) {
+  RAYFIELD_ASSIGN(const LeafEstimate estimate, estimate_of(work, voxels, counted));
+  RAYFIELD_ASSIGN(const int workers, rows_in_hand(work, voxels.row_segments, voxels.echoes.has_value()));
+  std::vector<const Row*> rows;
+  for (const Row& row : layout.rows)
+    if (plant.has_row(row.number)) rows.push_back(&row);
+  std::vector<RowLeaves> done(rows.size());
+  const auto subtract = [&](std::size_t i, int) -> Result<void> {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    if (!plant.has_row(row.number)) continue;
-    EstimatorOptions options = work.options.estimator;
-    if (leaf_size_m2) options.leaf_size_m2 = *leaf_size_m2;
-    RAYFIELD_ASSIGN(RowDensity of_plant,
-                    plant.density(row.number, voxels.row_segments, voxels.wood, options, voxels.echoes));
-    options.leaf_size_m2 = of_plant.leaf_size_m2;
-    RAYFIELD_ASSIGN(RowDensity of_wood,
-                    wood.density(row.number, voxels.row_segments, voxels.wood, options, counted.echoes));
-    // The published method knows nothing of how leaves are turned.
-    if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
-    RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
-    scale_density(leaf, scale);
-    integrate_row(work, row, panels_of(layout, row.number), layout.spacing_m, integration, leaf, of_wood, panel, maps,
-                  raster);
+    RAYFIELD_ASSIGN(const RowDensity of_wood,
+                    leaves_of_row(rows[i]->number, voxels, counted, plant, wood, estimate, done[i]));
+    done[i].panels = leaf_of_panels(*done[i].leaf, of_wood, panels_of(layout, rows[i]->number));
+    done[i].metres = leaf_of_metres(*done[i].leaf, rows[i]->length_m(), integration.metre_step_m);
+    return {};
+  };
+  std::size_t panel = 0;  // the next of the results' panels
+  const auto take = [&](std::size_t i) -> Result<void> {
+    const RowLeaves row = std::exchange(done[i], {});
+    const std::vector<Panel> panels = panels_of(layout, rows[i]->number);
+    for (std::size_t k = 0; k < row.panels.size(); ++k)
+      set_leaf_area(maps.values.panels[panel++], row.panels[k], panels[k].end_m - panels[k].start_m, layout.spacing_m,
+                    integration, work.options.leaf);
+    maps.values.metres.insert(maps.values.metres.end(), row.metres.begin(), row.metres.end());
+    RAYFIELD_CHECK(maps.plan.add(*row.leaf));
     work.progress.advance(1);
-  }
-  maps.raster = raster.finish().front();
-  maps.raster.name = kLeafRasterName;
-  maps.raster.description = "One-sided leaf area above a square metre of ground; noise falls below 0, too";
-  // Lanes have no voxels; where there are no plants there are no leaves.
-  for (std::size_t i = 0; i < maps.raster.grid.values.size() && i < plan.grid.values.size(); ++i)
-    if (std::isnan(maps.raster.grid.values[i]) && plan.grid.values[i] == 0) maps.raster.grid.values[i] = 0;
+    return {};
+  };
+  RAYFIELD_CHECK(parallel_ordered(rows.size(), workers, static_cast<std::size_t>(workers), subtract, take));
   return maps;
+}
+
+// The map of leaves as it is stored. Lanes have no voxels; where there are no plants there are no leaves.
+Result<tile::StreamedArrays> map_to_arrays(ScanWork& work, LeafMaps& maps) {
+  RasterProduct raster = maps.plan.maps().front();
+  raster.name = kLeafRasterName;
+  raster.description = "One-sided leaf area above a square metre of ground; noise falls below 0, too";
+  RAYFIELD_ASSIGN(const tile::ArrayReader plants, work.files.open("raster", "plan_density"));
+  RAYFIELD_ASSIGN(const std::uint64_t plant_count, plants.count(kRasterValues));
+  const auto read = [&maps, plants, plant_count](std::uint64_t first, std::span<float> values) -> Result<void> {
+    RAYFIELD_CHECK(maps.plan.read(0, first, values));
+    if (first >= plant_count) return {};
+    std::vector<float> plant(std::min<std::uint64_t>(values.size(), plant_count - first));
+    RAYFIELD_CHECK(plants.read(kRasterValues, first, plant));
+    for (std::size_t i = 0; i < plant.size(); ++i)
+      if (std::isnan(values[i]) && plant[i] == 0) values[i] = 0;
+    return {};
+  };
+  const std::uint64_t count = static_cast<std::uint64_t>(raster.grid.nx) * static_cast<std::uint64_t>(raster.grid.ny);
+  return raster_to_arrays(raster, {count, read});
 }
 
 std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood, const CountedWood& counted) {
@@ -149,11 +193,11 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
 Result<std::shared_ptr<const BeamView>> view_of_wood(ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood) {
   if (!voxels.echoes || !wood.scan.beam || !wood.scan.beam->same_disc(voxels.echoes->beam)) return nullptr;
   Derivation files = work.files.for_scan(wood.scan.scan_id);
-  ScanWork of_wood{work.store, wood.scan, work.options, files, work.progress, work.threads};
-  RAYFIELD_ASSIGN(const std::vector<TileSurvey> surveys, survey_tiles(of_wood));
+  ScanWork of_wood{work.store, wood.scan, work.options, files, work.progress};
+  RAYFIELD_ASSIGN(const ScanSurvey survey, survey_tiles(of_wood));
   tile::ScanEntry alike = wood.scan;
   alike.beam = work.scan.beam;
-  return view_of(alike, surveys, work.options.beam);
+  return view_of(alike, survey, work.options.beam);
 }
 
 LeafReport report_of(const ScanResults& results) {
@@ -174,9 +218,14 @@ std::string content_of(const tile::ScanEntry& scan) {
   return content.hex();
 }
 
+Result<ScanResults> read_results(const ScanWork& work, const RowLayout& layout) {
+  RAYFIELD_ASSIGN(const tile::ArrayReader stored, work.files.open("results", "block"));
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, stored.read_without({kSectionValues}));
+  return results_from_arrays(arrays, layout, {});
+}
+
 Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout) {
-  RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
-  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
+  RAYFIELD_ASSIGN(ScanResults results, read_results(work, layout));
   RAYFIELD_ASSIGN(const tile::ArraySet leaf_arrays, work.files.read("leaf", "block"));
   RAYFIELD_CHECK(put_leaf_values(leaf_arrays, layout, results));
   return report_of(results);
@@ -193,15 +242,12 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
                                                 voxels.row_segments, voxels.wood));
   }
   const std::string key = leaf_key(work, voxels, wood, counted);
-  RAYFIELD_ASSIGN(const tile::ArraySet result_arrays, work.files.read("results", "block"));
-  RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(result_arrays, layout, {}));
+  RAYFIELD_ASSIGN(ScanResults results, read_results(work, layout));
 
   std::optional<LeafMaps> maps;
   const auto made = [&]() -> Result<void> {
     if (maps) return {};
-    RAYFIELD_ASSIGN(const tile::ArraySet plan_arrays, work.files.read("raster", "plan_density"));
-    RAYFIELD_ASSIGN(const RasterProduct plan, raster_from_arrays(plan_arrays));
-    RAYFIELD_ASSIGN(maps, subtract_rows(work, layout, voxels, counted, results, plan));
+    RAYFIELD_ASSIGN(maps, subtract_rows(work, layout, voxels, counted, results.panel_values));
     maps->values.wood_scan_id = wood.scan.scan_id, maps->values.wood_content = content_of(wood.scan);
     return {};
   };
@@ -209,9 +255,9 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
     RAYFIELD_CHECK(made());
     return leaf_to_arrays(maps->values, layout);
   }));
-  RAYFIELD_CHECK(work.files.get("raster", kLeafRasterName, key, [&]() -> Result<tile::ArraySet> {
+  RAYFIELD_CHECK(work.files.ensure("raster", kLeafRasterName, key, [&]() -> Result<tile::StreamedArrays> {
     RAYFIELD_CHECK(made());
-    return raster_to_arrays(maps->raster);
+    return map_to_arrays(work, *maps);
   }));
   RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
   return report_of(results);

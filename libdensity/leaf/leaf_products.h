@@ -9,6 +9,7 @@
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
+#include "rayfield/core/products.h"
 #include "rayfield/density/options.h"
 
 namespace rayfield::density {
@@ -29,6 +30,9 @@ struct WoodScan {
 
 /// Names the rays of a scan.
 std::string content_of(const tile::ScanEntry& scan);
+
+/// What the scan's own rays say, from its files; without the sections.
+Result<ScanResults> read_results(const ScanWork& work, const RowLayout& layout);
 
 struct LeafReport {
   double leaf_area_m2 = 0;  ///< sum over the panels

@@ -25,9 +25,7 @@ constexpr double kBeyondEnd = 0.5;  // m; a post further from a surveyed row's e
 
 // Which sides of the rows were driven along; a survey of another place shows in no row having been.
 Result<void> mark_sides(ScanWork& work, const SurveyedScan& surveyed, RowLayout& layout) {
-  std::vector<const TileSurvey*> surveys;
-  for (const TileSurvey& survey : surveyed.surveys) surveys.push_back(&survey);
-  const std::vector<Pass> passes = find_passes(join_path(surveys), work.options.rows.passes);
+  const std::vector<Pass> passes = find_passes(surveyed.survey.path(), work.options.rows.passes);
   double nearest = std::numeric_limits<double>::infinity();
   bool any = false;
   for (Row& row : layout.rows) {

@@ -51,11 +51,9 @@ double usual_post_spacing(const RowLayout& layout) {
   return median_of(std::move(gaps));
 }
 
-std::vector<Eigen::Vector2d> thinned_path(const std::vector<TileSurvey>& surveys) {
-  std::vector<const TileSurvey*> pointers;
-  for (const TileSurvey& survey : surveys) pointers.push_back(&survey);
+std::vector<Eigen::Vector2d> thinned_path(const ScanSurvey& survey) {
   std::vector<Eigen::Vector2d> path;
-  for (const PathPoint& point : join_path(pointers))
+  for (const PathPoint& point : survey.path())
     if (path.empty() || (point.position.head<2>() - path.back()).norm() >= kPathStep)
       path.emplace_back(point.position.head<2>());
   return path;
@@ -88,7 +86,7 @@ BlockLandmarks landmarks_of(const RowLayout& layout, const SurveyedScan& surveye
   BlockLandmarks landmarks;
   landmarks.uprights = uprights_of(layout, false);
   for (const Row& row : layout.rows) landmarks.rows.push_back(resampled(row.centreline, kPathStep));
-  landmarks.path = thinned_path(surveyed.surveys);
+  landmarks.path = thinned_path(surveyed.survey);
   landmarks.ground = ground_along(landmarks.path, surveyed.ground);
   landmarks.row_spacing_m = layout.spacing_m;
   landmarks.post_spacing_m = usual_post_spacing(layout);
@@ -139,7 +137,7 @@ Result<BlockLandmarks> find_landmarks(tile::Store& store, const std::string& sca
   const tile::ScanEntry* scan = snapshot.find_scan(scan_id);
   if (scan == nullptr) return fail(ErrorCode::usage, "unknown scan", scan_id, "the store does not hold it");
   Derivation files(store, writer, scan_id, false);
-  ScanWork work{store, *scan, options, files, progress, thread_count(options.threads)};
+  ScanWork work{store, *scan, options, files, progress};
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
   RAYFIELD_ASSIGN(const FoundLayout found, find_layout(work, surveyed));
   return landmarks_of(found.layout, surveyed);
@@ -156,7 +154,7 @@ Result<std::optional<BlockLandmarks>> reference_landmarks(tile::Store& store, co
   }
   const tile::ScanEntry& scan = reference_scan(snapshot);
   Derivation files(store, writer, scan.scan_id, false);
-  ScanWork work{store, scan, options, files, progress, thread_count(options.threads)};
+  ScanWork work{store, scan, options, files, progress};
   RAYFIELD_ASSIGN(const SurveyedScan surveyed, survey_scan(work));
   RAYFIELD_ASSIGN(const BlockLayout today, read_layout(store, snapshot));
   if (today.known) return landmarks_of(today.layout, surveyed);

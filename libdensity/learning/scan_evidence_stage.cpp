@@ -83,7 +83,7 @@ Result<RowLayout> with_posts(ScanWork& work, const SurveyedScan& surveyed, const
 
 Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& known) {
   ScanEvidence evidence;
-  CanopyMap canopy(work.tile_size_m());
+  RAYFIELD_ASSIGN(CanopyMap canopy, empty_canopy_map(work));
   work.progress.stage(fmt::format("{}: rows and posts", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
@@ -96,9 +96,7 @@ Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const Ro
     evidence.stems.insert(evidence.stems.end(), here.begin(), here.end());
     work.progress.advance(entry.start_count);
   }
-  std::vector<const TileSurvey*> surveys;
-  for (const TileSurvey& survey : surveyed.surveys) surveys.push_back(&survey);
-  const std::vector<PathPoint> path = join_path(surveys);
+  const std::vector<PathPoint> path = surveyed.survey.path();
   const std::vector<Pass> passes = find_passes(path, work.options.rows.passes);
   for (const Pass& pass : passes) evidence.passes.push_back(pass.line);
   RAYFIELD_ASSIGN(const RowFindings findings, find_rows(path, canopy, work.options.rows));

@@ -73,14 +73,14 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   const RowLayout& layout = scan.layout;
   work.layout_key = geometry_key(layout);
   work.voxels = work.options.voxels;
-  const bool counts_all = holds_downward_misses(surveyed.surveys);
+  const bool counts_all = surveyed.survey.holds_downward_misses();
   if (counts_all) work.voxels.sure_return_m = 0;
 
   scan.voxels.wood = wood_of(layout, surveyed.ground);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
   // The published method counts every echo.
   const bool counts_echoes = work.options.estimator.estimator == Estimator::paper;
-  auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.surveys, work.options.beam);
+  auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.survey, work.options.beam);
   RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
   if (!scan.voxels.echoes) view = nullptr;
   RAYFIELD_ASSIGN(const double voxel_m,
@@ -183,7 +183,7 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
   std::map<std::string, ScanTotals> totals;
   for (const std::string& scan_id : scan_ids) {
     auto files = std::make_unique<Derivation>(store, writer, scan_id, options.redo);
-    ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress, thread_count(options.threads)};
+    ScanWork work{store, *snapshot.find_scan(scan_id), options, *files, progress};
     ScanInWork& scan = scans.emplace_back(ScanInWork{std::move(files), std::move(work)});
     if (auto begun = begin_scan(scan, writer, registry); !begun) {
       report.failed.push_back({scan_id, with_scan(std::move(begun).error(), scan_id)});

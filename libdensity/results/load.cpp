@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "libdensity/estimate/raster_frame.h"
 #include "libdensity/ground/ground_arrays.h"
@@ -68,20 +69,22 @@ double outline_half_width(const std::vector<ScanResults>& scans) {
 }
 
 // Results are stored by the registry's own numbers; products show the farm's.
-void show_farm_numbers(const RowLayout& layout, ScanResults& results) {
+std::map<int, int> shown_numbers(const RowLayout& layout) {
   std::map<int, int> shown;
   for (const Row& row : layout.rows) shown[row.number] = row.shown_number();
-  const auto show = [&shown](int& number) {
-    if (const auto it = shown.find(number); it != shown.end()) number = it->second;
-  };
-  for (RowMetreProduct& metre : results.row_metres) show(metre.row_number);
-  for (SectionProduct& section : results.sections) {
-    const std::string own = std::to_string(section.row_number);
-    show(section.row_number);
-    const std::size_t at = section.name.rfind(own);
-    if (at != std::string::npos && at + own.size() == section.name.size())
-      section.name.replace(at, own.size(), std::to_string(section.row_number));
-  }
+  return shown;
+}
+
+void show(const std::map<int, int>& shown, int& number) {
+  if (const auto it = shown.find(number); it != shown.end()) number = it->second;
+}
+
+void show_farm_number(const std::map<int, int>& shown, SectionProduct& section) {
+  const std::string own = std::to_string(section.row_number);
+  show(shown, section.row_number);
+  const std::size_t at = section.name.rfind(own);
+  if (at != std::string::npos && at + own.size() == section.name.size())
+    section.name.replace(at, own.size(), std::to_string(section.row_number));
 }
 
 Result<GroundModel> load_ground(const tile::Store& store, const tile::ScanEntry& scan) {
@@ -127,14 +130,16 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
   if (!block.known) return not_processed(store.folder().string());
   std::vector<ScanResults> scans;
   const tile::ScanEntry* first = nullptr;
+  const std::map<int, int> shown = shown_numbers(block.layout);
   for (const tile::ScanEntry& scan : snapshot.scans) {
     if (!scan_ids.empty() && std::find(scan_ids.begin(), scan_ids.end(), scan.scan_id) == scan_ids.end()) continue;
     const tile::DerivedEntry* entry = find_derived(scan.derived, "results", "block");
     if (entry == nullptr) return not_processed(scan.scan_id);
-    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
+    RAYFIELD_ASSIGN(const tile::ArrayReader stored, store.open_derived(*entry));
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, stored.read_without({kSectionValues}));
     RAYFIELD_ASSIGN(ScanResults results, results_from_arrays(arrays, block.layout, describe(scan)));
     RAYFIELD_CHECK(add_leaf_values(store, scan, block.layout, results));
-    show_farm_numbers(block.layout, results);
+    for (RowMetreProduct& metre : results.row_metres) show(shown, metre.row_number);
     scans.push_back(std::move(results));
     if (first == nullptr) first = &scan;
   }
@@ -149,18 +154,75 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
   return products;
 }
 
-Result<RasterProduct> load_raster(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
-                                  const std::string& name) {
+Result<std::vector<SectionProduct>> load_sections(const tile::Store& store, const tile::Snapshot& snapshot,
+                                                  const tile::ScanEntry& scan, const std::string& name_prefix,
+                                                  std::optional<int> row_number) {
+  RAYFIELD_ASSIGN(const BlockLayout block, read_layout(store, snapshot));
+  const tile::DerivedEntry* entry = find_derived(scan.derived, "results", "block");
+  if (!block.known || entry == nullptr) return not_processed(scan.scan_id);
+  RAYFIELD_ASSIGN(const tile::ArrayReader stored, store.open_derived(*entry));
+  RAYFIELD_ASSIGN(const std::uint64_t count, stored.count(kSectionValues));
+  RAYFIELD_ASSIGN(std::vector<SectionProduct> sections, sections_of(stored.header(), count));
+  const std::map<int, int> shown = shown_numbers(block.layout);
+  std::vector<SectionProduct> wanted;
+  std::uint64_t first = 0;
+  for (SectionProduct& section : sections) {
+    const std::size_t size = static_cast<std::size_t>(section.grid.nx) * static_cast<std::size_t>(section.grid.ny);
+    const std::uint64_t begin = std::exchange(first, first + size);
+    show_farm_number(shown, section);
+    if (section.name.rfind(name_prefix, 0) != 0 || (row_number && section.row_number != *row_number)) continue;
+    section.grid.values.resize(size);
+    RAYFIELD_CHECK(stored.read(kSectionValues, begin, section.grid.values));
+    wanted.push_back(std::move(section));
+  }
+  return wanted;
+}
+
+struct StoredRaster::Impl {
+  RasterProduct product;
+  FittedMap fitted;
+  tile::ArrayReader stored;
+};
+
+const RasterProduct& StoredRaster::product() const { return impl_->product; }
+
+Result<void> StoredRaster::read_rows(int iy_begin, int row_count, std::span<float> values) const {
+  const auto nx = static_cast<std::size_t>(impl_->product.grid.nx);
+  for (int row = 0; row < row_count; ++row)
+    RAYFIELD_CHECK(impl_->fitted.read_row(
+        iy_begin + row, values.subspan(static_cast<std::size_t>(row) * nx, nx),
+        [&](std::uint64_t first, std::span<float> part) { return impl_->stored.read(kRasterValues, first, part); }));
+  return {};
+}
+
+Result<StoredRaster> open_raster(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                                 const std::string& name) {
   const tile::DerivedEntry* entry = find_derived(scan.derived, "raster", name);
   if (entry == nullptr) return not_processed(scan.scan_id);
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
-  RAYFIELD_ASSIGN(RasterProduct raster, raster_from_arrays(arrays));
+  RAYFIELD_ASSIGN(tile::ArrayReader stored, store.open_derived(*entry));
+  RAYFIELD_ASSIGN(const std::uint64_t count, stored.count(kRasterValues));
+  RAYFIELD_ASSIGN(RasterProduct raster, raster_of(stored.header(), count));
   // A scan that was processed before the layout grew, or by an older version, has a map of another extent.
   RAYFIELD_ASSIGN(const BlockLayout block, read_layout(store, snapshot));
   if (!block.known) return not_processed(store.folder().string());
   RAYFIELD_ASSIGN(const RasterFrame frame, name == "ground" ? ground_frame(block.layout, raster.grid.cell_m)
                                                             : plan_frame(block.layout, raster.grid.cell_m));
-  RAYFIELD_ASSIGN(raster.grid, fit_to_frame(raster.grid, frame));
+  RAYFIELD_ASSIGN(FittedMap fitted, FittedMap::create(raster.grid, frame));
+  raster.grid = Grid2<float>(frame.origin, frame.cell_m, 0, 0);
+  raster.grid.nx = frame.nx, raster.grid.ny = frame.ny;
+  StoredRaster out;
+  out.impl_ =
+      std::make_shared<StoredRaster::Impl>(StoredRaster::Impl{std::move(raster), std::move(fitted), std::move(stored)});
+  return out;
+}
+
+Result<RasterProduct> load_raster(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                                  const std::string& name) {
+  RAYFIELD_ASSIGN(const StoredRaster stored, open_raster(store, snapshot, scan, name));
+  RasterProduct raster = stored.product();
+  Grid2<float>& grid = raster.grid;
+  grid.values.resize(static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.ny));
+  RAYFIELD_CHECK(stored.read_rows(0, grid.ny, grid.values));
   return raster;
 }
 

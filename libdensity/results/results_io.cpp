@@ -33,26 +33,24 @@ json grid_json(const Grid2<float>& grid) {
   return {{"origin", {grid.origin.x(), grid.origin.y()}}, {"cell_m", grid.cell_m}, {"nx", grid.nx}, {"ny", grid.ny}};
 }
 
-// A grid from its description and values[begin…]; nullopt-like empty grid on nonsense.
-Result<Grid2<float>> grid_from(const json& description, std::span<const float> values, std::size_t& begin,
-                               const std::string& what) {
+// A grid from its description, without values; as many as it has cells are taken off `left`.
+Result<Grid2<float>> grid_from(const json& description, std::uint64_t& left, const std::string& what) {
   Grid2<float> grid;
   grid.origin = {description.at("origin").at(0).get<double>(), description.at("origin").at(1).get<double>()};
   grid.cell_m = description.at("cell_m").get<double>();
   grid.nx = description.at("nx").get<int>();
   grid.ny = description.at("ny").get<int>();
   if (grid.nx < 0 || grid.ny < 0) return damaged(what, "a grid has a negative size");
-  const std::size_t count = static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.ny);
-  if (begin > values.size() || count > values.size() - begin) return damaged(what, "a grid is cut short");
-  grid.values.assign(values.begin() + static_cast<std::ptrdiff_t>(begin),
-                     values.begin() + static_cast<std::ptrdiff_t>(begin + count));
-  begin += count;
+  const std::uint64_t count = static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.ny);
+  if (count > left) return damaged(what, "a grid is cut short");
+  left -= count;
   return grid;
 }
 
 }  // namespace
 
-tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& layout) {
+tile::StreamedArrays results_to_arrays(const ScanResults& results, const RowLayout& layout,
+                                       tile::ColumnSource section_values) {
   tile::ArraySet arrays;
   arrays.kind = "results";
   std::map<std::string, const Panel*> panels;
@@ -88,17 +86,13 @@ tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& la
   arrays.columns["metre_plant_area_per_m"] = std::move(plant);
 
   json sections = json::array();
-  std::vector<float> values;
-  for (const SectionProduct& section : results.sections) {
+  for (const SectionProduct& section : results.sections)
     sections.push_back({{"name", section.name},
                         {"unit", section.unit},
                         {"row", section.row_number},
                         {"grid", grid_json(section.grid)}});
-    values.insert(values.end(), section.grid.values.begin(), section.grid.values.end());
-  }
-  arrays.columns["section_values"] = std::move(values);
   arrays.attributes = json{{"sections", sections}, {"element_area_m2", results.element_area_m2}}.dump();
-  return arrays;
+  return {std::move(arrays), {{kSectionValues, std::move(section_values)}}};
 }
 
 Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout,
@@ -143,26 +137,34 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
     results.row_metres.push_back(
         {metre_row[i], chainage[i], {easting[i], northing[i]}, scan.scan_id, scan.scan_date, leaf[i], plant[i]});
 
-  RAYFIELD_ASSIGN(const auto values, arrays.column<float>("section_values"));
-  std::size_t begin = 0;
   try {
-    const json attributes = json::parse(arrays.attributes);
-    results.element_area_m2 = attributes.at("element_area_m2").get<double>();
-    for (const json& section : attributes.at("sections")) {
-      SectionProduct product{section.at("name").get<std::string>(),
-                             section.at("unit").get<std::string>(),
-                             section.at("row").get<int>(),
-                             {}};
-      RAYFIELD_ASSIGN(product.grid, grid_from(section.at("grid"), values, begin, "results"));
-      results.sections.push_back(std::move(product));
-    }
+    results.element_area_m2 = json::parse(arrays.attributes).at("element_area_m2").get<double>();
   } catch (const json::exception& e) {
     return damaged("results", e.what());
   }
   return results;
 }
 
-tile::ArraySet raster_to_arrays(const RasterProduct& raster) {
+Result<std::vector<SectionProduct>> sections_of(const tile::ArraySet& header, std::uint64_t value_count) {
+  if (header.kind != "results" || header.version != 1) return damaged(header.kind, "not results of version 1");
+  try {
+    std::vector<SectionProduct> sections;
+    const json attributes = json::parse(header.attributes);
+    for (const json& section : attributes.at("sections")) {
+      SectionProduct product{section.at("name").get<std::string>(),
+                             section.at("unit").get<std::string>(),
+                             section.at("row").get<int>(),
+                             {}};
+      RAYFIELD_ASSIGN(product.grid, grid_from(section.at("grid"), value_count, "results"));
+      sections.push_back(std::move(product));
+    }
+    return sections;
+  } catch (const json::exception& e) {
+    return damaged("results", e.what());
+  }
+}
+
+tile::StreamedArrays raster_to_arrays(const RasterProduct& raster, tile::ColumnSource values) {
   tile::ArraySet arrays;
   arrays.kind = "raster";
   arrays.attributes = json{{"name", raster.name},
@@ -170,21 +172,18 @@ tile::ArraySet raster_to_arrays(const RasterProduct& raster) {
                            {"description", raster.description},
                            {"grid", grid_json(raster.grid)}}
                           .dump();
-  arrays.columns["values"] = raster.grid.values;
-  return arrays;
+  return {std::move(arrays), {{kRasterValues, std::move(values)}}};
 }
 
-Result<RasterProduct> raster_from_arrays(const tile::ArraySet& arrays) {
-  if (arrays.kind != "raster" || arrays.version != 1) return damaged(arrays.kind, "not a raster of version 1");
-  RAYFIELD_ASSIGN(const auto values, arrays.column<float>("values"));
+Result<RasterProduct> raster_of(const tile::ArraySet& header, std::uint64_t value_count) {
+  if (header.kind != "raster" || header.version != 1) return damaged(header.kind, "not a raster of version 1");
   try {
-    const json attributes = json::parse(arrays.attributes);
+    const json attributes = json::parse(header.attributes);
     RasterProduct raster{attributes.at("name").get<std::string>(),
                          attributes.at("unit").get<std::string>(),
                          attributes.at("description").get<std::string>(),
                          {}};
-    std::size_t begin = 0;
-    RAYFIELD_ASSIGN(raster.grid, grid_from(attributes.at("grid"), values, begin, "raster"));
+    RAYFIELD_ASSIGN(raster.grid, grid_from(attributes.at("grid"), value_count, "raster"));
     return raster;
   } catch (const json::exception& e) {
     return damaged("raster", e.what());

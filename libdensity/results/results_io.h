@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "libdensity/ground/ground_model.h"
 #include "libdensity/layout/row_layout.h"
@@ -12,13 +14,21 @@ namespace rayfield::density {
 
 /// Stored form of what one scan gives, kind "results" version 1. Panels and rows are named by their numbers; their
 /// UUIDs belong to the layout. The scan itself (ScanResults::scan) is the store's business and is not kept here.
-tile::ArraySet results_to_arrays(const ScanResults& results, const RowLayout& layout);
-/// `layout`: gives back the UUIDs; `scan`: what the values belong to. Errors: damaged.
-Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout, const ScanProduct& scan);
+/// `results.sections`: their grids need no values, which come from `section_values`, section after section.
+tile::StreamedArrays results_to_arrays(const ScanResults& results, const RowLayout& layout,
+                                       tile::ColumnSource section_values);
 
-/// Stored form of a raster, kind "raster" version 1.
-tile::ArraySet raster_to_arrays(const RasterProduct& raster);
-/// Errors: damaged.
-Result<RasterProduct> raster_from_arrays(const tile::ArraySet& arrays);
+/// Of `arrays` without their column kSectionValues: everything but the sections. `layout`: gives back the UUIDs;
+/// `scan`: what the values belong to. Errors: damaged.
+Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowLayout& layout, const ScanProduct& scan);
+inline constexpr const char* kSectionValues = "section_values";
+/// The sections, without their values. Errors: damaged, also when there are not as many values as they have cells.
+Result<std::vector<SectionProduct>> sections_of(const tile::ArraySet& header, std::uint64_t value_count);
+
+/// Stored form of a raster, kind "raster" version 1. `raster.grid` needs no values.
+tile::StreamedArrays raster_to_arrays(const RasterProduct& raster, tile::ColumnSource values);
+inline constexpr const char* kRasterValues = "values";
+/// Everything but the values. Errors: damaged, also when there are not as many values as it has cells.
+Result<RasterProduct> raster_of(const tile::ArraySet& header, std::uint64_t value_count);
 
 }  // namespace rayfield::density

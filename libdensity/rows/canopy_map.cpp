@@ -6,11 +6,18 @@
 #include <utility>
 
 namespace rayfield::density {
+namespace {
+
+int cells_per_side(double tile_size_m, const CanopyMapOptions& options) {
+  return std::max(1, round_int(tile_size_m / options.cell_m));
+}
+
+}  // namespace
 
 CanopyAccumulator::CanopyAccumulator(const tile::TileRef& tile, const GroundModel& ground,
                                      const CanopyMapOptions& options)
     : ground_(&ground), options_(options) {
-  const int n = std::max(1, round_int(tile.size_m / options.cell_m));
+  const int n = cells_per_side(tile.size_m, options);
   tile_.layers.fill(Grid2<std::uint8_t>(tile.corner(), tile.size_m / n, n, n));
 }
 
@@ -45,6 +52,11 @@ void CanopyAccumulator::merge(const CanopyAccumulator& other) {
     for (std::size_t i = 0; i < mine.size(); ++i)
       mine[i] = static_cast<std::uint8_t>(std::min(255, mine[i] + theirs[i]));
   }
+}
+
+std::size_t CanopyMap::tile_bytes(double tile_size_m, const CanopyMapOptions& options) {
+  const auto n = static_cast<std::size_t>(cells_per_side(tile_size_m, options));
+  return sizeof(CanopyTile) + CanopyTile().layers.size() * n * n;
 }
 
 void CanopyMap::set(tile::TileIndex index, CanopyTile tile) { tiles_[index] = std::move(tile); }

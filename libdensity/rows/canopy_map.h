@@ -38,6 +38,8 @@ class CanopyAccumulator {
 class CanopyMap {
  public:
   explicit CanopyMap(double tile_size_m) : tile_size_m_(tile_size_m) {}
+  /// Memory that the map of one tile takes.
+  static std::size_t tile_bytes(double tile_size_m, const CanopyMapOptions& options);
   void set(tile::TileIndex index, CanopyTile tile);
   /// Hits in the cell around a map point; 0 where there is no tile.
   int hits(CanopyLayer layer, const Eigen::Vector2d& p_in_map) const;

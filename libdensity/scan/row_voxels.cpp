@@ -1,10 +1,30 @@
 #include "libdensity/scan/row_voxels.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "libdensity/voxels/voxel_arrays.h"
 
 namespace rayfield::density {
+namespace {
+
+std::size_t bytes_of(const TileVoxels& voxels) { return counter_bytes(voxels.row_segments); }
+
+}  // namespace
+
+Result<int> rows_in_hand(const ScanWork& work, const RowSegmentList& list, bool wide) {
+  std::map<int, Shape3> shapes;  // of the rows' grids, no smaller than they are
+  for (const RowSegment& s : list.row_segments) {
+    Shape3& shape = shapes[s.row];
+    shape.ni += s.n_along, shape.nj = std::max(shape.nj, s.n_across), shape.nk = std::max(shape.nk, s.n_up);
+  }
+  std::size_t most = 0;
+  int largest = 0;
+  for (const auto& [row, shape] : shapes)
+    if (const std::size_t bytes = RowDensityBuilder::peak_bytes(shape, wide); bytes > most) most = bytes, largest = row;
+  return workers_within(work.memory.rows_bytes, most, work.threads, work.options,
+                        work.scan.scan_id + ", row " + std::to_string(largest));
+}
 
 Result<RowVoxels> RowVoxels::open(ScanWork& work, std::string prefix, std::span<const tile::TileIndex> tiles,
                                   std::size_t bytes) {
@@ -34,23 +54,11 @@ Result<RowDensity> RowVoxels::density(int row, const RowSegmentList& list, std::
 }
 
 Result<std::shared_ptr<const TileVoxels>> RowVoxels::get(tile::TileIndex index) {
-  for (auto it = kept_.begin(); it != kept_.end(); ++it) {
-    if (it->voxels->tile != index) continue;
-    kept_.splice(kept_.begin(), kept_, it);
-    return kept_.front().voxels;
-  }
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_->files.read("voxels", prefix_ + tile_name(index)));
-  RAYFIELD_ASSIGN(TileVoxels voxels, voxels_from_arrays(arrays));
-  std::size_t size = 0;
-  for (const RowSegmentVoxels& row_segment : voxels.row_segments)
-    size += row_segment.voxels.size() * sizeof(VoxelCounters) + row_segment.echoes.size() * sizeof(EchoCounters);
-  kept_.push_front({std::make_shared<const TileVoxels>(std::move(voxels)), size});
-  used_ += size;
-  while (used_ > bytes_ && kept_.size() > 1) {
-    used_ -= kept_.back().bytes;
-    kept_.pop_back();
-  }
-  return kept_.front().voxels;
+  const auto load = [&]() -> Result<TileVoxels> {
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_->files.read("voxels", prefix_ + tile_name(index)));
+    return voxels_from_arrays(arrays);
+  };
+  return tiles_->get(index, load, bytes_of);
 }
 
 }  // namespace rayfield::density

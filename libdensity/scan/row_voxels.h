@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,13 +10,19 @@
 
 #include "libdensity/estimate/row_density.h"
 #include "libdensity/scan/scan_work.h"
+#include "libdensity/tiles/recently_used.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
 
 namespace rayfield::density {
 
+/// How many rows may be estimated at a time. `wide`: of beams that are not thin. Errors: resources, when the longest
+/// has no room.
+Result<int> rows_in_hand(const ScanWork& work, const RowSegmentList& list, bool wide);
+
 /// The counters of a scan's tiles (count_voxels()), brought together row by row. Tiles are read when needed;
-/// neighbouring rows run through the same ones, so the latest are kept, as many as fit.
+/// neighbouring rows run through the same ones, so the latest are kept, as many as fit. density() is safe to call from
+/// several threads.
 class RowVoxels {
  public:
   /// `prefix`: of the counters' names. `bytes`: bounds what is kept.
@@ -32,18 +37,14 @@ class RowVoxels {
                              const EstimatorOptions& options, const std::optional<EchoModel>& model);
 
  private:
-  struct Kept {
-    std::shared_ptr<const TileVoxels> voxels;
-    std::size_t bytes;
-  };
   RowVoxels(ScanWork& work, std::string prefix, std::size_t bytes)
-      : work_(&work), prefix_(std::move(prefix)), bytes_(bytes) {}
+      : work_(&work), prefix_(std::move(prefix)), tiles_(std::make_unique<Tiles>(bytes)) {}
   Result<std::shared_ptr<const TileVoxels>> get(tile::TileIndex index);
 
+  using Tiles = RecentlyUsed<tile::TileIndex, TileVoxels>;
   ScanWork* work_;
   std::string prefix_;
-  std::size_t bytes_, used_ = 0;
-  std::list<Kept> kept_;  // the latest first
+  std::unique_ptr<Tiles> tiles_;
   LeafSizePairs pairs_;
   std::map<int, std::vector<tile::TileIndex>> tiles_of_row_;
 };

@@ -32,8 +32,8 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
 Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, SampledEchoes& sampled) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   const auto add_pairs = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { sum.add_pairs(rays); };
-  RAYFIELD_ASSIGN(VoxelAccumulator sum,
-                  accumulate_tile(reader, std::move(empty), work.threads, work.progress, add_pairs));
+  RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
+  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress, add_pairs));
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
@@ -76,13 +76,11 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
   return sampled;
 }
 
-std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, std::span<const TileSurvey> surveys,
+std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options) {
   if (!options.enabled || diameter_of(scan) <= kThinM) return nullptr;
-  std::vector<const TileSurvey*> of_tiles;
-  for (const TileSurvey& survey : surveys) of_tiles.push_back(&survey);
   return std::make_shared<const BeamView>(
-      BeamView{*scan.beam, kBehindResolutions * resolution_of(*scan.beam, options), SensorTrack(join_path(of_tiles))});
+      BeamView{*scan.beam, kBehindResolutions * resolution_of(*scan.beam, options), SensorTrack(survey.path())});
 }
 
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,

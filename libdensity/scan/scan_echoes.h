@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libdensity/echoes/echo_model.h"
+#include "libdensity/ground/scan_survey.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/canopy_profile.h"
@@ -26,7 +27,7 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
 
 /// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
 /// where the options say so.
-std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, std::span<const TileSurvey> surveys,
+std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options);
 
 /// What the echoes of the scan mean (kind "echoes"); nothing where they cannot tell.

@@ -14,6 +14,7 @@
 #include "libdensity/rows/rows.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
+#include "libdensity/tiles/recently_used.h"
 #include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/canopy_profile_arrays.h"
 #include "libdensity/voxels/row_segment_arrays.h"
@@ -47,46 +48,73 @@ Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
   return survey_from_arrays(arrays);
 }
 
-Result<GroundTile> ground_one(ScanWork& work, std::size_t tile, const std::vector<TileSurvey>& surveys) {
-  const tile::TileIndex index = work.scan.tiles[tile].index;
+// Low histograms of tiles, of which the ground of a tile needs those of its neighbours, too.
+using SurveyCache = RecentlyUsed<tile::TileIndex, TileSurvey>;
+
+std::size_t bytes_of(const TileSurvey& survey) {
+  return survey.bins.size() * sizeof(LowBin) + survey.bin_begin.size() * sizeof(std::uint32_t) +
+         survey.path.size() * sizeof(PathSum) + survey.coverage.values.size();
+}
+
+Result<std::shared_ptr<const TileSurvey>> stored_survey(const ScanWork& work, tile::TileIndex index,
+                                                        SurveyCache& surveys) {
+  const auto load = [&]() -> Result<TileSurvey> {
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.read("survey", tile_name(index)));
+    return survey_from_arrays(arrays);
+  };
+  return surveys.get(index, load, bytes_of);
+}
+
+Result<GroundTile> ground_one(ScanWork& work, tile::TileIndex index, SurveyCache& surveys) {
   KeyBuilder key("ground", kGroundVersion);
   key.add(option_numbers(work.options.ground));
-  std::vector<const TileSurvey*> near;
-  for (const std::size_t i : tiles_near(work.scan, {index, work.tile_size_m()}, work.options.ground.halo_m)) {
-    near.push_back(&surveys[i]);
-    key.add(work.files.sha256("survey", tile_name(work.scan.tiles[i].index)));
-  }
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays,
-                  work.files.get("ground", tile_name(index), key.hex(), [&]() -> Result<tile::ArraySet> {
-                    RAYFIELD_ASSIGN(const GroundTile ground, estimate_ground(index, near, work.options.ground));
-                    return ground_to_arrays(index, ground);
-                  }));
+  const std::vector<std::size_t> near = tiles_near(work.scan, {index, work.tile_size_m()}, work.options.ground.halo_m);
+  for (const std::size_t i : near) key.add(work.files.sha256("survey", tile_name(work.scan.tiles[i].index)));
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    std::vector<std::shared_ptr<const TileSurvey>> held;
+    std::vector<const TileSurvey*> of_near;
+    for (const std::size_t i : near) {
+      RAYFIELD_ASSIGN(auto survey, stored_survey(work, work.scan.tiles[i].index, surveys));
+      of_near.push_back(held.emplace_back(std::move(survey)).get());
+    }
+    RAYFIELD_ASSIGN(const GroundTile ground, estimate_ground(index, of_near, work.options.ground));
+    return ground_to_arrays(index, ground);
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get("ground", tile_name(index), key.hex(), make));
   RAYFIELD_ASSIGN(auto ground, ground_from_arrays(arrays));
   return std::move(ground.second);
 }
 
-}  // namespace
-
-Result<std::vector<TileSurvey>> survey_tiles(ScanWork& work) {
-  std::vector<TileSurvey> surveys;
+// Surveys tile by tile; of the low histograms only those stay that fit into `surveys`.
+Result<ScanSurvey> survey_into(ScanWork& work, SurveyCache& surveys) {
+  ScanSurvey all;
   work.progress.stage(fmt::format("{}: survey", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(TileSurvey survey, survey_one(work, entry));
-    surveys.push_back(std::move(survey));
+    RAYFIELD_ASSIGN(const auto survey, surveys.get(
+                                           entry.index, [&] { return survey_one(work, entry); }, bytes_of));
+    all.add(*survey);
     work.progress.advance(entry.start_count);
   }
-  return surveys;
+  return all;
+}
+
+}  // namespace
+
+Result<ScanSurvey> survey_tiles(ScanWork& work) {
+  SurveyCache none(0);
+  return survey_into(work, none);
 }
 
 Result<SurveyedScan> survey_scan(ScanWork& work) {
+  SurveyCache surveys(work.memory.surveys_bytes);
   SurveyedScan result{{}, GroundModel(work.tile_size_m())};
-  RAYFIELD_ASSIGN(result.surveys, survey_tiles(work));
+  RAYFIELD_ASSIGN(result.survey, survey_into(work, surveys));
   work.progress.stage(fmt::format("{}: ground", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   std::vector<GroundTile> grounds(work.scan.tiles.size());
   RAYFIELD_CHECK(parallel_for(grounds.size(), work.threads, [&](std::size_t tile, int) -> Result<void> {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(grounds[tile], ground_one(work, tile, result.surveys));
+    RAYFIELD_ASSIGN(grounds[tile], ground_one(work, work.scan.tiles[tile].index, surveys));
     work.progress.advance(1);
     return {};
   }));
@@ -110,9 +138,16 @@ Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground,
   return stems;
 }
 
+Result<CanopyMap> empty_canopy_map(const ScanWork& work) {
+  const std::size_t bytes = work.scan.tiles.size() * CanopyMap::tile_bytes(work.tile_size_m(), work.options.canopy);
+  RAYFIELD_CHECK(check_room(work.memory.canopy_bytes, bytes, work.options, work.scan.scan_id,
+                            fmt::format("the maps of canopy in its {} tiles take", work.scan.tiles.size())));
+  return CanopyMap(work.tile_size_m());
+}
+
 Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   FoundLayout found;
-  CanopyMap canopy(work.tile_size_m());
+  RAYFIELD_ASSIGN(CanopyMap canopy, empty_canopy_map(work));
   work.progress.stage(fmt::format("{}: rows", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
@@ -124,9 +159,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
     canopy.set(entry.index, sum.finish());
     work.progress.advance(entry.start_count);
   }
-  std::vector<const TileSurvey*> surveys;
-  for (const TileSurvey& survey : surveyed.surveys) surveys.push_back(&survey);
-  RAYFIELD_ASSIGN(RowFindings findings, find_rows(join_path(surveys), canopy, work.options.rows));
+  RAYFIELD_ASSIGN(RowFindings findings, find_rows(surveyed.survey.path(), canopy, work.options.rows));
   for (const RejectedRow& rejected : findings.rejected)
     found.notes.push_back(fmt::format("not a row, near {:.1f} {:.1f}: {}", rejected.line.front().x(),
                                       rejected.line.front().y(), rejected.reason));

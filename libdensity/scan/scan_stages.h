@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "libdensity/ground/ground_model.h"
-#include "libdensity/ground/survey.h"
+#include "libdensity/ground/scan_survey.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/posts/posts.h"
+#include "libdensity/rows/canopy_map.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/row_segments.h"
 
@@ -15,15 +16,18 @@ namespace rayfield::density {
 
 /// The first stages, which need nothing but the rays.
 struct SurveyedScan {
-  std::vector<TileSurvey> surveys;  ///< in the order of the scan's tiles
+  ScanSurvey survey;
   GroundModel ground;
 };
 Result<SurveyedScan> survey_scan(ScanWork& work);
 /// The first half of it.
-Result<std::vector<TileSurvey>> survey_tiles(ScanWork& work);
+Result<ScanSurvey> survey_tiles(ScanWork& work);
 
 /// The upright things that the scan shows along these rows.
 Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground, const RowLayout& rows);
+
+/// For the canopy of all tiles of the scan. Errors: resources, when memory has no room for them.
+Result<CanopyMap> empty_canopy_map(const ScanWork& work);
 
 /// Rows, posts and panels from one scan: the block's layout, when there is none yet.
 struct FoundLayout {

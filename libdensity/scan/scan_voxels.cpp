@@ -42,11 +42,18 @@ void add_view(KeyBuilder& key, const BeamView& view, const tile::ScanEntry& scan
 
 Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), work.threads, work.progress));
+  RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
+  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress));
   return std::move(sum).finish();
 }
 
 }  // namespace
+
+Result<int> counting_workers(const ScanWork& work, tile::TileIndex tile, const VoxelAccumulator& empty) {
+  // Twice: beside the copies there are the empty counters at first and the columns that are stored at last.
+  return workers_within(work.memory.counts_bytes, 2 * empty.bytes(), work.threads, work.options,
+                        work.scan.scan_id + ", tile " + tile_name(tile));
+}
 
 TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentList& list,
                    std::span<const WoodCylinder> wood) {

@@ -8,6 +8,7 @@
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/row_segments.h"
+#include "libdensity/voxels/voxel_grid.h"
 #include "libdensity/voxels/wood.h"
 
 namespace rayfield::density {
@@ -19,6 +20,9 @@ struct TileScene {
 };
 TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentList& list,
                    std::span<const WoodCylinder> wood);
+
+/// In how many copies of `empty` the rays of a tile may be counted at a time. Errors: resources, when one has no room.
+Result<int> counting_workers(const ScanWork& work, tile::TileIndex tile, const VoxelAccumulator& empty);
 
 /// Rays to count in the voxels of a scan: its own, or those of the dormant scan that shows its wood.
 struct CountedRays {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "libdensity/scan/process_memory.h"
 #include "libdensity/tiles/derive.h"
 #include "rayfield/core/progress.h"
 #include "rayfield/density/options.h"
@@ -17,7 +18,8 @@ struct ScanWork {
   const ProcessOptions& options;
   Derivation& files;
   Progress& progress;
-  int threads = 1;
+  ProcessMemory memory = ProcessMemory(options);
+  int threads = memory.threads;
   VoxelOptions voxels = {};     ///< the options', or for a scan with all its rays: count all
   std::string layout_key = {};  ///< names the layout in the keys of what depends on it
 

@@ -69,6 +69,10 @@ Result<tile::ArraySet> Derivation::read(const std::string& kind, const std::stri
   return store_.read_derived(entry(kind, name));
 }
 
+Result<tile::ArrayReader> Derivation::open(const std::string& kind, const std::string& name) const {
+  return store_.open_derived(entry(kind, name));
+}
+
 StageCount Derivation::total() const {
   const std::lock_guard lock(mutex_);
   return total_;

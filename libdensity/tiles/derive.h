@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <string>
@@ -60,6 +61,24 @@ class Derivation {
     return arrays;
   }
 
+  /// Sees to it that there is such a file, as get() does, without reading it. `make` → Result<StreamedArrays>.
+  template <class Make>
+  Result<void> ensure(const std::string& kind, const std::string& name, const std::string& key, Make&& make) {
+    const tile::NewDerived what{scan_id_, kind, name, key};
+    if (!redo_) {
+      if (const auto found = writer_.find(what)) {
+        keep(*found, false);
+        return {};
+      }
+    }
+    Result<tile::StreamedArrays> arrays = make();
+    if (!arrays) return tl::make_unexpected(std::move(arrays).error());
+    Result<tile::DerivedEntry> entry = writer_.put(what, *arrays);
+    if (!entry) return tl::make_unexpected(std::move(entry).error());
+    keep(*entry, true);
+    return {};
+  }
+
   /// To take files of another scan by their keys. What is made there is not published.
   Derivation for_scan(std::string scan_id) const { return {store_, writer_, std::move(scan_id), false}; }
 
@@ -76,6 +95,12 @@ class Derivation {
 
   /// The file made or kept under that kind and name, read again.
   Result<tile::ArraySet> read(const std::string& kind, const std::string& name) const;
+
+  /// The same, to be read part by part.
+  Result<tile::ArrayReader> open(const std::string& kind, const std::string& name) const;
+
+  /// Where files without a name may be made while the work goes on.
+  std::filesystem::path scratch_folder() const { return writer_.scratch_folder(); }
 
   /// Publishes the set with the writer.
   Result<void> finish();

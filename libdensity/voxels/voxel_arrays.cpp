@@ -164,6 +164,9 @@ tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
        &hits = column<std::uint32_t>(out, "hits");
   auto &path = column<std::int64_t>(out, "path"), &potential = column<std::int64_t>(out, "potential");
   auto& hit_path = column<std::int64_t>(out, "hit_path");
+  std::size_t count = 0;
+  for (const RowSegmentVoxels& s : voxels.row_segments) count += s.voxels.size();
+  rays.reserve(count), hits.reserve(count), path.reserve(count);
   for (const RowSegmentVoxels& s : voxels.row_segments) {
     push_row_segment(s.row_segment, reals, ints);
     columns.insert(columns.end(), s.column.begin(), s.column.end());

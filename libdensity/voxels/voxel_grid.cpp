@@ -77,6 +77,13 @@ EchoCounters& EchoCounters::operator+=(const EchoCounters& other) {
   return *this;
 }
 
+std::size_t counter_bytes(std::span<const RowSegmentVoxels> row_segments) {
+  std::size_t bytes = 0;
+  for (const RowSegmentVoxels& s : row_segments)
+    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.echoes.size() * sizeof(EchoCounters);
+  return bytes;
+}
+
 Eigen::Vector2d column_center(const RowSegment& s, int along, int across) {
   const double a = (along + 0.5) * s.voxel_m, c = s.across_min_m + (across + 0.5) * s.voxel_m;
   return s.origin + a * s.direction + c * Eigen::Vector2d(-s.direction.y(), s.direction.x());
@@ -161,6 +168,8 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   geometry->ground = TileGround::of(kept);
   return VoxelAccumulator(geometry);
 }
+
+std::size_t VoxelAccumulator::bytes() const { return counter_bytes(sums_); }
 
 bool VoxelAccumulator::empty() const { return sums_.empty(); }
 

@@ -84,6 +84,9 @@ struct RowSegmentVoxels {
   }
 };
 
+/// Memory that the counters take.
+std::size_t counter_bytes(std::span<const RowSegmentVoxels> row_segments);
+
 /// What one tile of one scan knows of the voxels in it.
 struct TileVoxels {
   tile::TileIndex tile;
@@ -117,6 +120,8 @@ class VoxelAccumulator {
   /// Of add_pairs(); nothing for thin beams.
   const std::optional<EchoStatistics>& echo_statistics() const { return statistics_; }
 
+  /// Of its counters: what a copy of it takes.
+  std::size_t bytes() const;
   /// No column of any row segment lies in the tile: nothing to count.
   bool empty() const;
 

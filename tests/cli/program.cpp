@@ -47,7 +47,7 @@ class Run {
   }
   // Sends a signal once stderr holds `text`; gives up when the program has ended.
   void interrupt_at(const std::string& text) {
-    while (waitpid(child_, &status_, WNOHANG) == 0) {
+    while (wait4(child_, &status_, WNOHANG, &usage_) == 0) {
       if (read_file(capture_.path("err")).find(text) != std::string::npos) {
         kill(child_, SIGINT);
         return;
@@ -61,11 +61,12 @@ class Run {
     kill(child_, SIGINT);
   }
   Outcome finish() {
-    if (!ended_) waitpid(child_, &status_, 0);
+    if (!ended_) wait4(child_, &status_, 0, &usage_);
     Outcome run;
     run.exit_code = WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
     run.out = read_file(capture_.path("out"));
     run.err = read_file(capture_.path("err"));
+    run.peak_bytes = static_cast<std::uint64_t>(usage_.ru_maxrss) << 10U;
     return run;
   }
 
@@ -73,6 +74,7 @@ class Run {
   Folder capture_;
   pid_t child_ = -1;
   int status_ = 0;
+  rusage usage_{};
   bool ended_ = false;
 };
 

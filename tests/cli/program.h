@@ -12,6 +12,7 @@ namespace rayfield::test {
 struct Outcome {
   int exit_code = -1;  ///< 128 + signal when it was killed
   std::string out, err;
+  std::uint64_t peak_bytes = 0;  ///< resident memory at most
   /// Number of lines on stderr that begin with "rayfield: ", the form of an error.
   int error_lines() const;
 };

@@ -118,6 +118,12 @@ std::vector<const TileSurvey*> pointers(const std::vector<TileSurvey>& surveys) 
   return out;
 }
 
+ScanSurvey scan_survey_of(const std::vector<TileSurvey>& surveys) {
+  ScanSurvey out;
+  for (const TileSurvey& survey : surveys) out.add(survey);
+  return out;
+}
+
 GroundModel ground_of(const std::vector<TileSurvey>& surveys) {
   GroundModel model(kTile);
   for (const TileSurvey& survey : surveys)
@@ -186,7 +192,7 @@ Found find_rows_in(const Scene& scene) {
   out.tiles = scene.tiles();
   const auto surveys = survey_all(out.tiles);
   out.ground = ground_of(surveys);
-  out.rows = find_rows(join_path(pointers(surveys)), canopy_of(out.tiles, out.ground), {}).value();
+  out.rows = find_rows(scan_survey_of(surveys).path(), canopy_of(out.tiles, out.ground), {}).value();
   return out;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libdensity/ground/ground.h"
-#include "libdensity/ground/survey.h"
+#include "libdensity/ground/scan_survey.h"
 #include "libdensity/layout/row_order.h"
 #include "libdensity/posts/posts.h"
 #include "libdensity/posts/stem_accumulator.h"
@@ -71,6 +71,7 @@ class Scene {
 /// The stages one after the other, as a caller would run them.
 std::vector<TileSurvey> survey_all(const Tiles& tiles);
 std::vector<const TileSurvey*> pointers(const std::vector<TileSurvey>& surveys);
+ScanSurvey scan_survey_of(const std::vector<TileSurvey>& surveys);
 GroundModel ground_of(const std::vector<TileSurvey>& surveys);
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground);
 std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground);

@@ -4,55 +4,14 @@
 
 #include <cmath>
 #include <numeric>
-#include <random>
 #include <vector>
 
-#include "libdensity/estimate/plan_raster.h"
-#include "tests/libdensity/voxel_worlds.h"
+#include "tests/libdensity/random_row.h"
 
 namespace rayfield::density {
 namespace {
 
-using testing::make_row_segment;
-
-/// A row of two row segments with a bend of 3°, random densities, everything observed.
-RowDensity random_row(std::uint64_t seed) {
-  RowDensity r;
-  r.row = 1;
-  RowSegment a = make_row_segment(), b = a;
-  a.chainage_m = 0;
-  b.index = 1, b.first_along = a.n_along, b.chainage_m = a.n_along * a.voxel_m;
-  b.origin = a.origin + b.chainage_m * a.direction;
-  b.direction = Eigen::Rotation2Dd(0.05) * a.direction;
-  r.row_segments = {a, b};
-  r.voxel_m = a.voxel_m, r.n_across = a.n_across, r.n_up = a.n_up;
-  r.across_min_m = a.across_min_m, r.up_min_m = a.up_min_m;
-  for (int s = 0; s < 2; ++s)
-    for (int i = 0; i < a.n_along; ++i) {
-      r.segment_of.push_back(s);
-      r.chainage_m.push_back((s * a.n_along + i) * a.voxel_m);
-    }
-  r.n_along = 2 * a.n_along;
-  const auto voxels = static_cast<std::size_t>(r.n_along * r.n_across * r.n_up);
-  std::mt19937_64 rng(seed);
-  std::uniform_real_distribution<float> uniform(0, 8);
-  for (std::size_t i = 0; i < voxels; ++i) r.density.push_back(uniform(rng)), r.variance.push_back(uniform(rng));
-  r.state.assign(voxels, VoxelState::observed);
-  r.entries.assign(r.segment_of.size(), 3);
-  return r;
-}
-
-// A map that holds the row and nothing beyond.
-Result<PlanRaster> raster_of(const RowDensity& row, const PlanRasterOptions& options) {
-  Eigen::AlignedBox2d box;
-  for (int a = 0; a < row.n_along; ++a)
-    for (const int c : {0, row.n_across - 1}) {
-      box.extend(Eigen::Vector2d(row.center(a, c).array() - row.voxel_m));
-      box.extend(Eigen::Vector2d(row.center(a, c).array() + row.voxel_m));
-    }
-  RAYFIELD_ASSIGN(const RasterFrame frame, frame_around(box, options.cell_m));
-  return PlanRaster::create(frame, row.row_segments, options);
-}
+using testing::random_row;
 
 double direct_sum(const RowDensity& r) {
   return std::accumulate(r.density.begin(), r.density.end(), 0.0) * std::pow(r.voxel_m, 3);
@@ -68,24 +27,6 @@ TEST(Integrate, ThePanelsTogetherAreTheWholeRowWithWhatOverhangsItsEnds) {
     plant += v.plant_area_m2, rays += v.ray_count;
   EXPECT_NEAR(plant, direct_sum(row), 1e-6 * plant);
   EXPECT_NEAR(static_cast<double>(rays), 3.0 * row.n_along, 1);
-}
-
-TEST(Integrate, ThePlanRasterHoldsTheSameAreaAtAnyCellSize) {
-  const RowDensity row = random_row(2);
-  for (const double cell : {0.05, 0.1, 0.25, 1.0}) {
-    auto raster = raster_of(row, {cell, 0.97});
-    ASSERT_TRUE(raster.has_value());
-    raster->add(row);
-    const auto products = raster->finish();
-    ASSERT_EQ(products[0].name, "plan_density");
-    double sum = 0;
-    for (const float v : products[0].grid.values)
-      if (std::isfinite(v)) sum += static_cast<double>(v) * cell * cell;
-    EXPECT_NEAR(sum, direct_sum(row), 1e-5 * sum) << cell;
-    const Eigen::Vector2d steps = products[0].grid.origin / cell;
-    EXPECT_NEAR(steps.x(), std::round(steps.x()), 1e-6);
-    EXPECT_NEAR(steps.y(), std::round(steps.y()), 1e-6);
-  }
 }
 
 TEST(Integrate, HalfMetresAddUpToTheRow) {
@@ -141,38 +82,6 @@ TEST(Integrate, UnscannedIsNanAndScannedEmptyIsZero) {
   EXPECT_TRUE(std::isnan(unseen[0].plant_area_m2));
   EXPECT_EQ(unseen[0].observed_fraction, 0);
   EXPECT_TRUE(std::isnan(row_metres(row, 4.5, {})[0].leaf_area_per_m));
-  auto raster = raster_of(row, {});
-  ASSERT_TRUE(raster.has_value());
-  raster->add(row);
-  const std::vector<RasterProduct> products = raster->finish();
-  for (const RasterProduct& product : products)
-    for (const float v : product.grid.values) EXPECT_TRUE(std::isnan(v));
-}
-
-TEST(Integrate, TheStandardErrorOfAMapCellAddsIndependentColumns) {
-  RowDensity row = random_row(7);
-  std::fill(row.variance.begin(), row.variance.end(), 0.0F);
-  row.variance[row.index(4, 4, 3)] = 9.0F;
-  auto raster = raster_of(row, {10.0, 0.97});  // cells larger than the row
-  ASSERT_TRUE(raster.has_value());
-  raster->add(row);
-  double variance = 0;  // the column may lie across a border of cells: compare shares² only when it does not
-  const std::vector<RasterProduct> products = raster->finish();
-  for (const float v : products[1].grid.values)
-    if (std::isfinite(v)) variance += std::pow(static_cast<double>(v) * 100.0, 2);
-  const double expected = 9.0 * std::pow(0.12, 6);
-  EXPECT_LE(variance, expected * 1.0001);
-  EXPECT_GE(variance, expected * 0.25);
-}
-
-TEST(Integrate, OverlapOfASquareTurnedByFortyFiveDegreesIsExact) {
-  // A unit diamond about the origin (diagonal √2): a quarter of it lies in the first quadrant's box.
-  const double h = std::sqrt(0.5);
-  const std::vector<Eigen::Vector2d> diamond = {{h, 0}, {0, h}, {-h, 0}, {0, -h}};
-  EXPECT_NEAR(overlap_area(diamond, {0, 0}, {1, 1}), 0.25, 1e-12);
-  EXPECT_NEAR(overlap_area(diamond, {-2, -2}, {2, 2}), 1.0, 1e-12);
-  EXPECT_NEAR(overlap_area(diamond, {0.5, -1}, {1, 1}), (h - 0.5) * (h - 0.5), 1e-12);
-  EXPECT_EQ(overlap_area(diamond, {1, 1}, {2, 2}), 0);
 }
 
 TEST(Integrate, QuantileHeightsAreLinearInsideALayer) {
@@ -181,20 +90,6 @@ TEST(Integrate, QuantileHeightsAreLinearInsideALayer) {
   EXPECT_NEAR(quantile_height(layers, 0.1, 0.75), 0.25, 1e-12);
   EXPECT_NEAR(quantile_height(layers, 0.1, 1.0), 0.3, 1e-12);
   EXPECT_TRUE(std::isnan(quantile_height(std::vector<double>{0, 0}, 0.1, 0.5)));
-}
-
-TEST(PlanRaster, NoRowSegmentsAndOptionsOutOfRangeAreRefused) {
-  const RowDensity row = random_row(1);
-  const RasterFrame frame{row.row_segments[0].origin - Eigen::Vector2d(64, 64), 0.1, 1280, 1280};
-  EXPECT_EQ(PlanRaster::create(frame, {}, {}).error().code, ErrorCode::usage);
-  EXPECT_FALSE(PlanRaster::create(frame, row.row_segments, {0.0, 0.97}).has_value());
-  EXPECT_TRUE(PlanRaster::create(frame, row.row_segments, {}).has_value());
-}
-
-TEST(PlanRaster, ARowThatReachesBeyondTheFrameIsRefusedInsteadOfCut) {
-  const RowDensity row = random_row(1);
-  const RasterFrame frame{row.row_segments[0].origin, 0.1, 64, 64};
-  EXPECT_EQ(PlanRaster::create(frame, row.row_segments, {}).error().code, ErrorCode::internal);
 }
 
 }  // namespace

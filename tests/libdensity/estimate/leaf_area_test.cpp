@@ -10,6 +10,7 @@
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
 #include "libdensity/estimate/raster_frame.h"
+#include "tests/libdensity/plan_values.h"
 #include "tests/libdensity/voxel_worlds.h"
 
 namespace rayfield::density {
@@ -103,11 +104,10 @@ TEST(LeafArea, OfHalfMetresAddsUpToThatOfThePanels) {
   for (const double area : leaf_of_metres(*leaf, 2.4, 0.5)) metres += 0.5 * area;
   EXPECT_NEAR(metres, panels, 1e-9 * panels);
   const RasterFrame frame{leaf->row_segments[0].origin - Eigen::Vector2d(64, 64), 0.1, 1280, 1280};
-  auto raster = PlanRaster::create(frame, leaf->row_segments, {});
-  raster->add(*leaf);
+  auto raster = PlanRaster::create(frame, leaf->row_segments, {}, testing::kAllInMemory, testing::scratch());
+  ASSERT_TRUE(raster->add(*leaf).has_value());
   double map = 0;
-  const std::vector<RasterProduct> products = raster->finish();
-  for (const float v : products[0].grid.values)
+  for (const float v : testing::values_of(*raster, 0))
     if (std::isfinite(v)) map += static_cast<double>(v) * 0.01;
   EXPECT_NEAR(map, panels, 1e-5 * panels);
 }

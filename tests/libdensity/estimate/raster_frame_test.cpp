@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -19,6 +20,19 @@ RowLayout make_layout(int rows, double spacing_m, double east = 276201.37, doubl
     layout.rows.push_back({i + 1, {start, start + Eigen::Vector2d(0.4, 50)}, true, true});
   }
   return layout;
+}
+
+Result<Grid2<float>> fit_to_frame(const Grid2<float>& map, const RasterFrame& frame) {
+  RAYFIELD_ASSIGN(const FittedMap fitted, FittedMap::create(map, frame));
+  Grid2<float> out(frame.origin, frame.cell_m, frame.nx, frame.ny);
+  for (int iy = 0; iy < frame.ny; ++iy)
+    RAYFIELD_CHECK(fitted.read_row(iy, std::span(out.values).subspan(out.index(0, iy), out.nx),
+                                   [&](std::uint64_t first, std::span<float> values) -> Result<void> {
+                                     std::copy_n(map.values.begin() + static_cast<std::ptrdiff_t>(first), values.size(),
+                                                 values.begin());
+                                     return {};
+                                   }));
+  return out;
 }
 
 TEST(RasterFrame, LiesAtWholeStepsOfCellsAndHoldsTheRowsWithTheirMargin) {
@@ -80,8 +94,6 @@ TEST(RasterFrame, AMapIsMovedIntoItByWholeCells) {
   for (std::size_t i = 0; i < 6; ++i) map.values[i] = static_cast<float>(i);
   const auto fitted = fit_to_frame(map, frame);
   ASSERT_TRUE(fitted.has_value()) << fitted.error().line();
-  EXPECT_EQ(fitted->nx, frame.nx);
-  EXPECT_EQ(fitted->ny, frame.ny);
   EXPECT_EQ(fitted->at(0, 5), 1.0F);
   EXPECT_EQ(fitted->at(1, 5), 2.0F);
   EXPECT_EQ(fitted->at(0, 6), 4.0F);

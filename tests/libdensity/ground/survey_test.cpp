@@ -66,23 +66,6 @@ TEST(Survey, CountsEachHitInTheTileOnceAndNoneOfTheMargin) {
   EXPECT_EQ(middle->hits, 4);  // 500000.0, 500000.1, 500012.0, 500024.9
 }
 
-TEST(Survey, JoinsThePathOfSeveralTilesInTheOrderOfTime) {
-  testing::Scene scene(2);
-  scene.add_drive({{500010, 6100010}, {500040, 6100010}});  // crosses a border
-  const auto surveys = testing::survey_all(scene.tiles());
-  ASSERT_EQ(surveys.size(), 2U);
-  const auto path = join_path(testing::pointers(surveys));
-  ASSERT_NEAR(static_cast<double>(path.size()), 30 / 1.25 / 0.1, 2);
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    EXPECT_GT(path[i].time_s, path[i - 1].time_s);
-    EXPECT_GT(path[i].position.x(), path[i - 1].position.x());
-  }
-  for (const PathPoint& p : path) {
-    EXPECT_NEAR(p.position.y(), 6100010, 1e-3);
-    EXPECT_NEAR(p.position.z(), 101.8, 1e-3);
-  }
-}
-
 TEST(Survey, LeavesOutSegmentsThatAreNotFinite) {
   tile::SegmentBatch batch;
   batch.entry = {{500001, 6100001, 101}, {500001, 6100001, NAN}};
@@ -92,28 +75,6 @@ TEST(Survey, LeavesOutSegmentsThatAreNotFinite) {
   SurveyAccumulator sum({{20000, 244000}, kTile}, {});
   sum.add(batch);
   EXPECT_EQ(sum.finish().hits, 1);
-}
-
-TEST(Survey, TellsScansThatKeepTheirDownwardRaysWithoutAReturnFromThoseThatDropThem) {
-  const auto survey = [](int above, int below, int steep) {
-    tile::SegmentBatch batch;
-    const auto push = [&](double rise, std::uint8_t flags) {
-      batch.entry.push_back({500001, 6100001, 101}), batch.exit.push_back({500011, 6100001, 101 + 10 * rise});
-      batch.time_s.push_back(1), batch.intensity.push_back(0), batch.flags.push_back(flags);
-    };
-    for (int i = 0; i < above; ++i) push(0.1, tile::kEndsHere);
-    for (int i = 0; i < below; ++i) push(-0.02, tile::kEndsHere);
-    for (int i = 0; i < steep; ++i) push(-0.5, tile::kEndsHere);
-    push(-0.02, tile::kEndsHere | tile::kHit), push(-0.02, 0);  // a hit; one that ends in another tile
-    SurveyAccumulator sum({{20000, 244000}, kTile}, {});
-    sum.add(batch);
-    return sum.finish();
-  };
-  EXPECT_EQ(survey(3, 2, 1).misses_above, 3);
-  EXPECT_EQ(survey(3, 2, 1).misses_below, 2);
-  EXPECT_FALSE(holds_downward_misses({}));
-  EXPECT_FALSE(holds_downward_misses(std::vector{survey(600, 0, 50), survey(400, 19, 0)}));
-  EXPECT_TRUE(holds_downward_misses(std::vector{survey(600, 0, 0), survey(400, 21, 0)}));
 }
 
 TEST(Survey, SurvivesStorage) {

@@ -248,7 +248,7 @@ struct ProcessOptions {
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
   bool redo = false;                                    ///< make everything anew; for all scans, the layout too
   int threads = 0;                                      ///< 0 = all processors
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bounds what is kept of tiles that will be needed again
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bound on resident memory; see process_memory.h
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
