@@ -93,15 +93,18 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
                                        bool require_gps, const slam::SlamOptions& options, Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
-  if (const std::string gap = missing_position(opened); require_gps && !gap.empty())
+  const std::string gap = missing_position(opened);
+  if (require_gps && !gap.empty())
     return fail(ErrorCode::bad_input, "cannot georeference log", log, gap,
                 "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");
   auto registered = slam::run_slam(opened.read, opened.rig, crs, options, progress);
   if (!registered) return tl::make_unexpected(with_log(std::move(registered).error(), log));
   slam::SlamResult& result = *registered;
-  if (require_gps && !result.report.georeferenced)
+  // With fixes and a CRS a cloud in the map was asked for, and a vehicle that stood still cannot give one.
+  const bool asked_for = require_gps || (!crs.empty() && gap.empty());
+  if (asked_for && !result.report.georeferenced)
     return fail(ErrorCode::bad_input, "cannot georeference log", log, result.report.frame_note,
-                "maps need GPS; `rayfield slam` makes a ray cloud in a local frame");
+                "maps need a drive; without --crs `rayfield slam` makes a ray cloud in a local frame");
   RegisteredDrive drive;
   drive.trajectory = std::make_shared<const slam::Trajectory>(std::move(result.trajectory));
   drive.report = std::move(result.report);

@@ -46,7 +46,8 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
                            Progress& progress);
 
 /// Runs SLAM over a log. `crs` empty: a local frame. A log without GPS gives a local frame too, or an error (bad_input)
-/// where `require_gps`. `options.scratch`: a folder for what does not fit in memory.
+/// where `require_gps`; fixes that cannot place the drive, of a vehicle that stood still, are one wherever a CRS was
+/// asked for. `options.scratch`: a folder for what does not fit in memory.
 Result<RegisteredDrive> register_drive(const std::string& log, const std::string& rig_file, const std::string& crs,
                                        bool require_gps, const slam::SlamOptions& options, Progress& progress);
 

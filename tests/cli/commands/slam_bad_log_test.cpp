@@ -131,6 +131,12 @@ TEST_F(BadLog, WithoutGpsTheCloudIsLocalAndNoStoreTakesIt) {
   EXPECT_EQ(nlohmann::json::parse(rayfield({"status", store, "--json"}).out)["scans"].size(), 0U);
 }
 
+// As of a vehicle that is parked: the fixes are there, and too near to each other to tell how the drive lies.
+TEST_F(BadLog, FixesThatCannotPlaceTheDriveInTheMapThatWasAskedForAreRefused) {
+  const std::string bag = damaged({.gps = [](GpsFix&, double elapsed_s) { return elapsed_s < 4; }});
+  expect_refused(slam(bag), 3, "damaged.bag", "nothing is georeferenced: ");
+}
+
 TEST_F(BadLog, AfterAClockJumpOfAnHourTheLongerPartIsUsedAndSaid) {
   const std::string bag =
       damaged(other_stamps([](double time_s, double elapsed_s) { return elapsed_s > 20 ? time_s + 3600 : time_s; }));
@@ -242,8 +248,12 @@ TEST_F(BadLog, CutAtAnyByteABagGivesWhatIsWholeOrIsRefused) {
   for (const std::size_t length : {1U, 12U, 13U, 20U, 100U, 4096U, 4117U, 4118U, 4200U, 9000U, 200000U})
     run_cut(length);
   EXPECT_EQ(used, 0) << "less than five seconds cannot be registered";
-  for (const double part : {0.13, 0.2718, 0.31416})
+  const auto run_part = [&](double part) {
     run_cut(static_cast<std::size_t>(part * static_cast<double>(bytes.size())));
+  };
+  run_part(0.13);
+  EXPECT_EQ(used, 0) << "fixes that span less than 8 m do not place a drive";
+  for (const double part : {0.2718, 0.29, 0.31416}) run_part(part);
   EXPECT_EQ(used, 3);
 }
 
