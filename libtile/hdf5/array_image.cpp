@@ -4,13 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "libtile/hdf5/column_codec.h"
+#include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_read.h"
 #include "libtile/hdf5/h5_write.h"
 
 namespace rayfield::tile {
 namespace {
 
-constexpr std::size_t kChunkElements = 131072;
+constexpr std::size_t kUsualCompression = 1024;
 constexpr const char* kFormat = "rayfield-arrays";
 constexpr int kVersion = 1;
 
@@ -41,7 +42,7 @@ CompressedColumn compress_column(const std::string& name, const std::vector<T>& 
   result.column.name = name;
   result.column.type = type_of<T>();
   result.column.count = values.size();
-  const std::size_t chunk = std::clamp<std::size_t>(values.size(), 1, kChunkElements);
+  const std::size_t chunk = std::clamp<std::size_t>(values.size(), 1, kMostChunkElements);
   result.column.chunk_elements = chunk;
   std::vector<std::size_t> sizes;
   for (std::size_t first = 0; first < values.size(); first += chunk) {
@@ -63,19 +64,23 @@ CompressedColumn compress_column(const std::string& name, const std::vector<T>& 
   return result;
 }
 
+// Room for the claimed length is reserved where a file of that size can have it; beyond that, memory grows with what is
+// really decompressed.
 template <class T>
-Result<Array> read_column(std::span<const std::byte> image, const ColumnLayout& column, const std::string& where) {
-  std::vector<T> values(column.count);
+Result<Array> read_values(std::span<const std::byte> image, const ColumnLayout& column, const std::string& where) {
+  std::vector<T> values;
+  values.reserve(std::min<std::uint64_t>(column.count, image.size() * kUsualCompression / sizeof(T)));
   std::vector<T> padded;
-  for (std::size_t c = 0; c < column.chunks.size(); ++c) {
-    const std::size_t first = c * column.chunk_elements;
-    const std::size_t count = std::min<std::size_t>(column.chunk_elements, values.size() - first);
+  for (const ChunkPlace& chunk : column.chunks) {
+    const std::size_t first = values.size();
+    const std::size_t count = std::min<std::uint64_t>(column.chunk_elements, column.count - first);
+    values.resize(first + count);
     std::span<T> target(values.data() + first, count);
     if (count < column.chunk_elements) {
       padded.resize(column.chunk_elements);
       target = padded;
     }
-    const auto blob = image.subspan(column.chunks[c].offset, column.chunks[c].size);
+    const auto blob = image.subspan(chunk.offset, chunk.size);
     if (!decompress(blob, std::as_writable_bytes(target)))
       return damaged(where, "column '" + column.name + "' cannot be decompressed");
     if (count < column.chunk_elements)
@@ -87,19 +92,19 @@ Result<Array> read_column(std::span<const std::byte> image, const ColumnLayout& 
 Result<Array> read_any(std::span<const std::byte> image, const ColumnLayout& column, const std::string& where) {
   switch (column.type) {
     case ElementType::u8:
-      return read_column<std::uint8_t>(image, column, where);
+      return read_values<std::uint8_t>(image, column, where);
     case ElementType::u16:
-      return read_column<std::uint16_t>(image, column, where);
+      return read_values<std::uint16_t>(image, column, where);
     case ElementType::i32:
-      return read_column<std::int32_t>(image, column, where);
+      return read_values<std::int32_t>(image, column, where);
     case ElementType::u32:
-      return read_column<std::uint32_t>(image, column, where);
+      return read_values<std::uint32_t>(image, column, where);
     case ElementType::i64:
-      return read_column<std::int64_t>(image, column, where);
+      return read_values<std::int64_t>(image, column, where);
     case ElementType::f32:
-      return read_column<float>(image, column, where);
+      return read_values<float>(image, column, where);
     case ElementType::f64:
-      return read_column<double>(image, column, where);
+      return read_values<double>(image, column, where);
     case ElementType::u64:
       break;
   }
