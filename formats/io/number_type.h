@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "formats/io/byte_cursor.h"
+#include "rayfield/core/byte_cursor.h"
 
 namespace rayfield::formats {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "formats/io/byte_cursor.h"
 #include "formats/io/file_io.h"
 #include "formats/ray_cloud/beam_comment.h"
 #include "formats/ray_cloud/ply_header.h"
+#include "rayfield/core/byte_cursor.h"
 
 namespace rayfield::formats {
 namespace {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/io/byte_cursor.h"
+#include "rayfield/core/byte_cursor.h"
 #include "rayfield/formats/rosbag_reader.h"
 
 /// ROS 1 bag, version 2.0. All numbers are little-endian.

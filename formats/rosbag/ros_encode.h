@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "formats/io/byte_cursor.h"
+#include "rayfield/core/byte_cursor.h"
 #include "rayfield/core/sensor_log.h"
 
 /// The sensor_msgs that rayfield writes, in the serialisation of ros_decode.h.

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "formats/io/byte_cursor.h"
+#include "rayfield/core/byte_cursor.h"
 
 namespace rayfield::formats {
 

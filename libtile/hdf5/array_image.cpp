@@ -4,12 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "libtile/hdf5/column_codec.h"
+#include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_write.h"
 
 namespace rayfield::tile {
 namespace {
 
-constexpr std::size_t kChunkElements = 131072;
+constexpr std::size_t kUsualCompression = 1024;
 constexpr const char* kFormat = "rayfield-arrays";
 constexpr int kVersion = 1;
 
@@ -30,7 +31,7 @@ Result<CompressedColumn> compress_column(const std::string& name, std::uint64_t 
   result.column.name = name;
   result.column.type = type_of<T>();
   result.column.count = size;
-  const std::size_t chunk = std::clamp<std::size_t>(size, 1, kChunkElements);
+  const std::size_t chunk = std::clamp<std::size_t>(size, 1, kMostChunkElements);
   result.column.chunk_elements = chunk;
   std::vector<T> scratch;
   std::vector<std::byte> bytes;
@@ -69,13 +70,19 @@ Result<CompressedColumn> compress_source(const std::string& name, const ColumnSo
       });
 }
 
+// Room for the claimed length is reserved where chunks of that size can hold it; beyond that, memory grows with what is
+// really decompressed.
 template <class T>
 Result<Array> read_column(const ColumnLayout& column, const FetchChunk& fetch, const std::string& where) {
-  std::vector<T> values(column.count);
+  std::uint64_t compressed_bytes = 0;
+  for (const ChunkPlace& chunk : column.chunks) compressed_bytes += chunk.size;
+  std::vector<T> values;
+  values.reserve(std::min<std::uint64_t>(column.count, compressed_bytes * kUsualCompression / sizeof(T)));
   std::vector<T> padded;
   for (std::size_t c = 0; c < column.chunks.size(); ++c) {
-    const std::size_t first = c * column.chunk_elements;
-    const std::size_t count = std::min<std::size_t>(column.chunk_elements, values.size() - first);
+    const std::size_t first = values.size();
+    const std::size_t count = std::min<std::uint64_t>(column.chunk_elements, column.count - first);
+    values.resize(first + count);
     std::span<T> target(values.data() + first, count);
     if (count < column.chunk_elements) {
       padded.resize(column.chunk_elements);

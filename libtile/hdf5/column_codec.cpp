@@ -7,7 +7,8 @@
 namespace rayfield::tile {
 namespace {
 constexpr int kLevel = 1;
-}
+static_assert(kLeastBufferBytes == BLOSC_MIN_HEADER_LENGTH);
+}  // namespace
 
 std::vector<unsigned> blosc_filter_values(std::size_t element_size, std::size_t chunk_bytes) {
   // Filter revision, buffer format, element size, chunk size, level, shuffle, compressor: as the registered filter
@@ -34,7 +35,7 @@ std::size_t compress(std::span<const std::byte> raw, std::size_t element_size, s
 }
 
 bool decompress(std::span<const std::byte> blob, std::span<std::byte> raw) {
-  if (blob.size() < BLOSC_MIN_HEADER_LENGTH) return false;
+  if (blob.size() < kLeastBufferBytes) return false;
   std::size_t declared = 0;
   if (blosc_cbuffer_validate(blob.data(), blob.size(), &declared) != 0 || declared != raw.size()) return false;
   if (raw.empty()) return true;

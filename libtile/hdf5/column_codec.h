@@ -16,6 +16,9 @@ namespace rayfield::tile {
 inline constexpr int kBloscFilter = 32001;
 std::vector<unsigned> blosc_filter_values(std::size_t element_size, std::size_t chunk_bytes);
 
+/// The header of a Blosc buffer, without which there is none.
+inline constexpr std::size_t kLeastBufferBytes = 16;
+
 /// Appends the compressed form of `raw` to `out` and returns its size.
 std::size_t compress(std::span<const std::byte> raw, std::size_t element_size, std::vector<std::byte>& out);
 

@@ -43,7 +43,4 @@ class H5Session {
 /// The little-endian file type of an element.
 hid_t h5_file_type(ElementType type);
 
-inline constexpr const char* kAttributesDataset = "attributes";
-inline constexpr const char* kColumnsGroup = "columns";
-
 }  // namespace rayfield::tile

@@ -1,34 +1,22 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "libtile/hdf5/element_type.h"
+#include "libtile/hdf5/h5_dataset.h"
 #include "rayfield/core/result.h"
 
-/// Where things lie in a file that build_image() made (h5_write.h). Foreign files are refused: links, external storage,
-/// other filters and claims beyond the size of the file.
+/// Where things lie in a file that build_image() made (h5_write.h). Stores come from strangers, and the HDF5 library
+/// does not survive every file: this reads the structures that the writer makes by itself, and refuses all others, in
+/// time and memory in proportion to the file (docs/store-format.md, "HDF5 structures").
 namespace rayfield::tile {
-
-struct ChunkPlace {
-  std::uint64_t offset = 0, size = 0;  ///< bytes, in the file
-};
-
-struct ColumnLayout {
-  std::string name;
-  ElementType type = ElementType::u8;
-  std::uint64_t count = 0;
-  std::uint64_t chunk_elements = 1;
-  std::vector<ChunkPlace> chunks;
-};
 
 struct ImageLayout {
   std::string attributes;
-  std::vector<ColumnLayout> columns;  ///< ordered by name
+  std::vector<ColumnLayout> columns;  ///< ordered by name; no two chunks share a byte
   const ColumnLayout* find(const std::string& name) const;
 };
 

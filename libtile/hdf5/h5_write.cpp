@@ -4,6 +4,7 @@
 
 #include "libtile/hdf5/column_codec.h"
 #include "libtile/hdf5/h5_handle.h"
+#include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/seal.h"
 
 namespace rayfield::tile {
@@ -19,8 +20,7 @@ H5Handle create_file() {
   H5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   if (!creation.valid() || !access.valid()) return {};
-  // Small B-tree nodes: a part of a tile has few chunks, and a small tile should be a small file.
-  if (H5Pset_istore_k(creation.get(), 8) < 0 || H5Pset_sym_k(creation.get(), 4, 8) < 0 ||
+  if (H5Pset_istore_k(creation.get(), kChunkTreeK) < 0 || H5Pset_sym_k(creation.get(), kGroupTreeK, kSymbolNodeK) < 0 ||
       H5Pset_obj_track_times(creation.get(), false) < 0 ||
       H5Pset_fapl_core(access.get(), std::size_t{1} << 20, false) < 0 ||
       H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST) < 0)
@@ -96,15 +96,20 @@ Result<void> write_columns(hid_t file, const std::vector<ImageColumn>& columns) 
   return {};
 }
 
+// What the reader would refuse is not written.
 Result<void> check_columns(const std::vector<ImageColumn>& columns) {
+  if (columns.size() > kMostColumns)
+    return fail(ErrorCode::internal, "cannot build HDF5 image", std::to_string(columns.size()) + " columns",
+                "a file holds at most " + std::to_string(kMostColumns));
   for (const ImageColumn& column : columns) {
-    const bool good_name = !column.name.empty() && column.name != "." && column.name.find('/') == std::string::npos &&
-                           column.name.find('\0') == std::string::npos;
+    const bool good_name = !column.name.empty() && column.name.size() <= kMostNameBytes && column.name != "." &&
+                           column.name.find('/') == std::string::npos && column.name.find('\0') == std::string::npos;
     const std::uint64_t chunks =
         column.chunk_elements == 0 ? 0 : (column.count + column.chunk_elements - 1) / column.chunk_elements;
-    if (!good_name || column.chunk_elements == 0 || chunks != column.chunks.size())
+    if (!good_name || column.chunk_elements == 0 || column.chunk_elements > kMostChunkElements ||
+        chunks != column.chunks.size())
       return fail(ErrorCode::internal, "cannot build HDF5 image", "column '" + column.name + "'",
-                  "a column needs a name without '/' and all of its chunks");
+                  "a column needs a short name without '/' and all of its chunks");
   }
   return {};
 }

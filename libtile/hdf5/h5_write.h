@@ -1,7 +1,7 @@
 #pragma once
 
 /// hdf5/: the HDF5 container of tile files and derived files. Compressed columns go in, places of compressed chunks
-/// come out; no other folder calls the HDF5 library.
+/// come out; no other folder calls the HDF5 library, which writes, and nothing but this folder's reader reads.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@
 ///   /columns/<name>    1-D, chunked, Blosc filter
 ///   seal               80 bytes after the HDF5 image: "RAYFIELD-SHA256 " and the hex digest of all bytes before it
 ///
-/// The seal keeps damaged bytes away from the HDF5 library, which does not survive all of them.
+/// The HDF5 library only writes: what is read from a store may come from anywhere, and h5_read.h reads it.
 namespace rayfield::tile {
 
 /// A column to write; chunk c holds elements [c·chunk_elements, …), the last one padded to chunk_elements.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_write.h"
 
 namespace rayfield::tile {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr const char* kFormat = "rayfield-tile";
 constexpr int kVersion = 1;
+static_assert(kChunkSegments <= kMostChunkElements);
 
 tl::unexpected<Error> damaged(const std::filesystem::path& path, const std::string& why) {
   return fail(ErrorCode::damaged, "cannot read tile", path.string(), why, "run `rayfield verify`");

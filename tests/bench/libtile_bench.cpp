@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <random>
 
+#include "libtile/hdf5/array_image.h"
 #include "libtile/partition/clip_batch.h"
 #include "libtile/tile_file/chunk_codec.h"
 #include "rayfield/core/ray_source.h"
@@ -188,5 +190,71 @@ void decode_segments(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(chunk.records.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(decode_segments)->Unit(benchmark::kMillisecond);
+
+// A published store with the drive in it, and its tile of most segments.
+struct PublishedTile {
+  BenchFolder folder;
+  std::optional<tile::Store> store;
+  tile::TileEntry tile;
+
+  PublishedTile() {
+    const fs::path path = folder.path() / "block";
+    if (!add_drive(path, 2, false, std::uint64_t{1} << 30U)) std::abort();
+    store = *tile::Store::open(path);
+    const tile::Snapshot snapshot = *store->latest();
+    for (const tile::TileEntry& entry : snapshot.scans.front().tiles) {
+      if (entry.segment_count > tile.segment_count) tile = entry;
+    }
+  }
+};
+
+const PublishedTile& published_tile() {
+  static const PublishedTile kTile;
+  return kTile;
+}
+
+// The structure of the tile's files; their bytes have been checked before.
+void open_tile(benchmark::State& state) {
+  const PublishedTile& published = published_tile();
+  for (auto _ : state) {
+    const auto reader = published.store->open_tile(published.tile);
+    if (!reader) return state.SkipWithError(reader.error().line().c_str());
+    benchmark::DoNotOptimize(reader->chunk_count());
+  }
+}
+BENCHMARK(open_tile)->Unit(benchmark::kMicrosecond);
+
+void read_tile(benchmark::State& state) {
+  const PublishedTile& published = published_tile();
+  tile::SegmentBatch segments;
+  for (auto _ : state) {
+    const auto reader = published.store->open_tile(published.tile);
+    if (!reader) return state.SkipWithError(reader.error().line().c_str());
+    for (std::size_t chunk = 0; chunk < reader->chunk_count(); ++chunk) {
+      if (!reader->read_chunk(chunk, segments)) return state.SkipWithError("cannot read");
+      benchmark::DoNotOptimize(segments.exit.data());
+    }
+  }
+  state.counters["segments/s"] = benchmark::Counter(static_cast<double>(published.tile.segment_count),
+                                                    benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(read_tile)->Unit(benchmark::kMillisecond);
+
+// A raster of derived data, of a million cells.
+void decode_raster(benchmark::State& state) {
+  tile::ArraySet arrays;
+  arrays.kind = "raster";
+  std::vector<double> cells(1000000);
+  for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = std::floor(100 * std::sin(0.001 * static_cast<double>(i)));
+  arrays.columns["cells"] = cells;
+  const auto image = tile::encode_arrays(arrays);
+  if (!image) return state.SkipWithError(image.error().line().c_str());
+  for (auto _ : state) {
+    const auto decoded = tile::decode_arrays(*image, "raster");
+    if (!decoded) return state.SkipWithError(decoded.error().line().c_str());
+    benchmark::DoNotOptimize(decoded->columns.size());
+  }
+}
+BENCHMARK(decode_raster)->Unit(benchmark::kMillisecond);
 
 }  // namespace

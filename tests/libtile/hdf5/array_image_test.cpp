@@ -70,7 +70,7 @@ TEST(Arrays, LongAttributesAreKept) {
   EXPECT_EQ(decode_arrays(*encode_arrays(arrays), "x")->attributes, arrays.attributes);
 }
 
-TEST(Arrays, AnyFlippedBitIsFoundBeforeTheLibrarySeesIt) {
+TEST(Arrays, AnyFlippedBitIsFound) {
   ArraySet arrays = sample();
   arrays.columns.erase("many");
   const std::vector<std::byte> image = *encode_arrays(arrays);

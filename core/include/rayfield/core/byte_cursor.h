@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace rayfield::formats {
+namespace rayfield {
 
 static_assert(std::endian::native == std::endian::little, "the readers copy little-endian numbers as they are");
 
@@ -98,4 +98,4 @@ class ByteBuilder {
   std::vector<std::byte> bytes_;
 };
 
-}  // namespace rayfield::formats
+}  // namespace rayfield

@@ -1,0 +1,165 @@
+// Writes small sound inputs for every fuzz target: write_seeds FOLDER makes FOLDER/<target>/<name>.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libtile/hdf5/array_image.h"
+#include "libtile/hdf5/seal.h"
+#include "libtile/store/snapshot_json.h"
+#include "libtile/tile_file/tile_file.h"
+#include "rayfield/formats/ply_writer.h"
+#include "rayfield/formats/rig_file.h"
+#include "rayfield/formats/sensor_log_writer.h"
+
+namespace {
+
+using namespace rayfield;
+namespace fs = std::filesystem;
+
+constexpr const char* kCrs = "EPSG:7854";
+
+void write_bytes(const fs::path& path, std::span<const std::byte> bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+void write_text(const fs::path& path, const std::string& text) { write_bytes(path, std::as_bytes(std::span(text))); }
+
+std::span<const std::byte> unsealed(std::span<const std::byte> file) {
+  return file.first(file.size() - tile::kSealSize);
+}
+
+// Chunks of 16 elements, so that a file of several chunks is small.
+void write_tile(const fs::path& path, std::size_t segments) {
+  tile::TilePartHeader header;
+  header.index = {11047, 243997};
+  header.segments = segments;
+  tile::StoreConfig config;
+  config.crs = kCrs;
+  const tile::TileGrid grid(config);
+  header.size = grid.size, header.margin = grid.margin;
+  const std::size_t elements = std::min<std::size_t>(segments, 16);
+  std::vector<tile::EncodedChunk> chunks;
+  for (std::size_t first = 0; first < segments; first += elements) {
+    std::vector<tile::RayRecord> records;
+    for (std::size_t i = first; i < std::min(first + elements, segments); ++i) {
+      const auto n = static_cast<std::int32_t>(i);
+      records.push_back({{{1000 * n, 2000, 820000}, {-90000 + 500 * n, 400 * n, 3000}}, 1000U + 35U * n, 3, 7, 3, 0});
+    }
+    chunks.push_back(tile::encode_chunk(records, elements));
+  }
+  write_bytes(path, unsealed(tile::build_tile_part(header, chunks).value()));
+}
+
+void write_arrays(const fs::path& folder) {
+  tile::ArraySet arrays;
+  arrays.kind = "voxels";
+  arrays.attributes = R"({"voxel_m": 0.12})";
+  write_bytes(folder / "without_columns", unsealed(tile::encode_arrays(arrays).value()));
+  arrays.columns["u8"] = std::vector<std::uint8_t>{0, 255};
+  arrays.columns["u16"] = std::vector<std::uint16_t>{65535, 1};
+  arrays.columns["i32"] = std::vector<std::int32_t>{-5, 5};
+  arrays.columns["u32"] = std::vector<std::uint32_t>{5, 6};
+  arrays.columns["i64"] = std::vector<std::int64_t>{-1, 1};
+  arrays.columns["f32"] = std::vector<float>{1.5F, -0.0F};
+  arrays.columns["f64"] = std::vector<double>{0.1, 5e-324};
+  arrays.columns["empty"] = std::vector<double>{};
+  write_bytes(folder / "all_types", unsealed(tile::encode_arrays(arrays).value()));
+  for (int i = 0; i < 20; ++i) arrays.columns["column" + std::to_string(i)] = std::vector<float>{0.5F};
+  write_bytes(folder / "many_columns", unsealed(tile::encode_arrays(arrays).value()));
+  arrays.columns.clear();
+  arrays.columns["two_chunks"] = std::vector<std::uint8_t>(140000, 5);
+  write_bytes(folder / "two_chunks", unsealed(tile::encode_arrays(arrays).value()));
+}
+
+void write_store_json(const fs::path& folder) {
+  tile::StoreConfig config;
+  config.crs = kCrs;
+  write_text(folder / "store", tile::to_json(config).dump(1));
+  tile::Snapshot snapshot;
+  snapshot.number = 7, snapshot.parent = 6;
+  snapshot.created_utc = "2019-02-11T00:00:00.000Z", snapshot.software_version = "0.1.0", snapshot.command = "add";
+  snapshot.lost = {{2, 3}};
+  tile::ScanEntry scan;
+  scan.scan_id = "2019-02-11_a", scan.date = "2019-02-11", scan.name = "a";
+  scan.inputs = {{"a.ply", 123, "ab"}};
+  scan.ray_count = 10, scan.hit_count = 4;
+  scan.origin_bounds.extend(Eigen::Vector3d(1.1, 2.2, 3.3));
+  scan.warnings = {"3 rays dropped"};
+  scan.alignment.emplace();
+  scan.dormant = true;
+  scan.beam = LidarBeam{0.01, 0.002, 0.1, 0.3};
+  tile::TileEntry tile;
+  tile.index = {-3, 7};
+  tile.file = {"scans/2019-02-11_a/rays/a.h5", 5, "cd"};
+  tile.more_files = {{"scans/2019-02-11_a/rays/b.h5", 6, "ef"}};
+  tile.segment_count = 9, tile.start_count = 8, tile.hit_count = 3;
+  scan.tiles = {tile};
+  scan.derived = {{"ground", "block", "key", {"scans/2019-02-11_a/ground/c.h5", 1, "01"}}};
+  scan.attachments = {{"slam.json", {"scans/2019-02-11_a/files/slam.e.json", 3, "03"}}};
+  snapshot.scans = {scan};
+  snapshot.registry = {{"rows", "block", "key", {"registry/rows/d.h5", 2, "02"}}};
+  write_text(folder / "snapshot", tile::to_json(snapshot).dump(1));
+  write_text(folder / "alignment", R"({"verdict": "aligned", "offset_m": [0.1, 0.2, 0.3], "pivot_m": [1, 2],
+    "yaw_rad": 0.01, "warp_rms_m": 0.02, "landmarks": 31})");
+}
+
+Rig rig_with_everything() {
+  Rig rig;
+  rig.spinner = Rig::Spinner();
+  rig.gps = Rig::Gps();
+  return rig;
+}
+
+Result<void> write_cloud(const fs::path& path) {
+  fs::create_directories(path.parent_path());
+  formats::PlyWriteOptions options;
+  options.crs = kCrs;
+  options.beam = LidarBeam{0.01, 0.002, 0.1, 0.3};
+  RAYFIELD_ASSIGN(auto writer, formats::PlyWriter::create(path.string(), options));
+  RayBatch rays;
+  for (int i = 0; i < 5; ++i)
+    rays.push({276196.0 + i, 6099944.0, 82}, {276199.0, 6099940.0 - i, 81}, 1e9 + i, 100, true);
+  RAYFIELD_CHECK(writer.write(rays));
+  return writer.close();
+}
+
+Result<void> write_bag(const fs::path& path, formats::BagCompression compression) {
+  fs::create_directories(path.parent_path());
+  formats::BagWriteOptions options;
+  options.compression = compression;
+  options.chunk_bytes = 4096;
+  RAYFIELD_ASSIGN(auto writer, formats::SensorLogWriter::create(path.string(), rig_with_everything(), options));
+  const formats::ScanPattern pattern{20, -1.5, 0.1, 1e-4, 0.025, 0.1, 30};
+  for (int i = 0; i < 4; ++i) {
+    const double time_s = 1.5e9 + 0.01 * i;
+    RAYFIELD_CHECK(writer.imu({time_s, {0, 0, 0.1}, {0, 0, 9.81}}));
+    RAYFIELD_CHECK(writer.gps({time_s, -34.9, 138.6, 80, Eigen::Matrix3d::Identity(), 0, 2}));
+    RAYFIELD_CHECK(writer.spinner({time_s, 0.1 * i}, 3));
+    RAYFIELD_CHECK(writer.scan(time_s, pattern, std::vector<float>(20, 4.5F), std::vector<float>(20, 90.0F)));
+  }
+  return writer.close();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fputs("usage: write_seeds FOLDER\n", stderr), 2;
+  const fs::path folder = argv[1];
+  for (const std::size_t segments : {1, 16, 40}) write_tile(folder / "fuzz_tile" / std::to_string(segments), segments);
+  write_arrays(folder / "fuzz_arrays");
+  write_store_json(folder / "fuzz_store_json");
+  write_text(folder / "fuzz_rig" / "everything", formats::rig_text(rig_with_everything()));
+  auto written = write_cloud(folder / "fuzz_ply" / "cloud");
+  using formats::BagCompression;
+  for (const auto compression : {BagCompression::none, BagCompression::bz2, BagCompression::lz4}) {
+    if (written)
+      written = write_bag(folder / "fuzz_rosbag" / std::to_string(static_cast<int>(compression)), compression);
+  }
+  if (!written) return std::fprintf(stderr, "%s\n", written.error().line().c_str()), 1;
+  return 0;
+}
