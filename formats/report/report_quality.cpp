@@ -56,7 +56,7 @@ std::string scan_html(const BlockReport& report, std::size_t i) {
   std::string html = "<div class=\"scan\"><h3>" + xml_escape(scan_label(results.scan)) + "</h3><dl class=\"facts\">\n";
   html += fact("Position", xml_escape(scan.alignment));
   html += fact("Coverage", xml_escape(coverage_text(results, report.block.panels.size())));
-  html += fact("Leaf areas are", xml_escape(leaf_text(report, scan, results.scan)));
+  html += fact("Leaf area", xml_escape(leaf_text(report, scan, results.scan)));
   html += fact("Lidar beam", xml_escape(scan.beam.empty() ? "not known: treated as a line, which makes areas of wide "
                                                             "beams too large"
                                                           : scan.beam));
