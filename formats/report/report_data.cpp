@@ -62,11 +62,23 @@ ordered_json rows_json(const BlockProducts& block, const Layout& layout) {
   return json;
 }
 
+// A panel's ring runs along one side and back along the other. Start, middle and end of both are enough to draw it: on
+// a curve of 50 m radius half a panel of 6.5 m is off by 3 cm.
+std::vector<Eigen::Vector2d> slim_ring(std::vector<Eigen::Vector2d> ring) {
+  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+  const std::size_t count = ring.size(), half = count / 2;
+  if (count % 2 != 0 || half <= 3) return ring;
+  std::vector<Eigen::Vector2d> slim;
+  for (const std::size_t i : {std::size_t{0}, half / 2, half - 1}) slim.push_back(ring[i]);
+  for (const std::size_t i : {half - 1, half / 2, std::size_t{0}}) slim.push_back(ring[count - 1 - i]);
+  return slim;
+}
+
 ordered_json panels_json(const BlockProducts& block, const Layout& layout) {
   ordered_json json = ordered_json::array();
   for (const PanelProduct& p : block.panels)
     json.push_back({layout.row_place.at(p.row_number), p.panel_number, rounded(p.chainage_start_m),
-                    rounded(p.chainage_end_m), rounded(p.length_m), points_json(p.outline, layout.origin)});
+                    rounded(p.chainage_end_m), rounded(p.length_m), points_json(slim_ring(p.outline), layout.origin)});
   return json;
 }
 

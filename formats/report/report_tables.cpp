@@ -65,7 +65,7 @@ std::string panel_row(const BlockProducts& block, const SeenPanel& seen) {
          change_cell(seen.change) + "</tr>\n";
 }
 
-std::string panel_table(const BlockProducts& block, const std::string& caption, std::vector<SeenPanel> panels) {
+std::string panel_table(const BlockProducts& block, const std::string& caption, const std::vector<SeenPanel>& panels) {
   std::string rows;
   for (const SeenPanel& panel : panels) rows += panel_row(block, panel);
   return "<div class=\"scroll\"><table><caption>" + xml_escape(caption) +

@@ -1,7 +1,14 @@
 "use strict";
 // What all parts of the page share: the data, what is chosen, elements, numbers, colours, packed grids.
 const data = JSON.parse(document.getElementById("data").textContent);
-const chosen = { date: data.focus, panel: data.first_panel, layer: "density", palette: "canopy", a: 0, b: 0 };
+const chosen = {
+  date: data.focus,
+  panel: data.first_panel,
+  layer: "density",
+  palette: "canopy",
+  a: 0,
+  b: 0
+};
 
 const byId = (id) => document.getElementById(id);
 const SVG = "http://www.w3.org/2000/svg";
@@ -26,8 +33,15 @@ const percent = (value) => `${Math.round(100 * value)} %`;
 const interval = (low, high, digits) => `${fixed(low, digits)} to ${fixed(high, digits)}`;
 
 const panels = data.panels.map((p, index) => ({
-  index, row: data.rows[p[0]], rowIndex: p[0], number: p[1], start: p[2], end: p[3], length: p[4], ring: p[5],
-}));
+                                 index,
+                                 row: data.rows[p[0]],
+                                 rowIndex: p[0],
+                                 number: p[1],
+                                 start: p[2],
+                                 end: p[3],
+                                 length: p[4],
+                                 ring: p[5],
+                               }));
 const panelName = (panel) => `${rowName(panel.row)}, panel ${panel.number}`;
 const rowName = (row) => `Row ${row.number}` + (row.name ? ` (${row.name})` : "");
 
@@ -37,9 +51,15 @@ function valueOf(panel, date) {
   if (v.leaf[panel.index] === null) return null;
   const at = (name) => v[name][panel.index];
   return {
-    leaf: at("leaf"), low: at("low"), high: at("high"), perM: at("leaf") / panel.length,
-    lowPerM: at("low") / panel.length, highPerM: at("high") / panel.length,
-    height: at("height"), open: at("open"), seen: at("seen"),
+    leaf: at("leaf"),
+    low: at("low"),
+    high: at("high"),
+    perM: at("leaf") / panel.length,
+    lowPerM: at("low") / panel.length,
+    highPerM: at("high") / panel.length,
+    height: at("height"),
+    open: at("open"),
+    seen: at("seen"),
   };
 }
 
@@ -47,17 +67,26 @@ function valueOf(panel, date) {
 function pairOf(a, b) {
   const forward = a < b;
   const pair = data.pairs.find((p) => p.a === Math.min(a, b) && p.b === Math.max(a, b));
-  return pair ? { pair, sign: forward ? 1 : -1 } : null;
+  return pair ? {pair, sign: forward ? 1 : -1} : null;
 }
-const words = { g: "gain", l: "loss", n: "none", "-": "unseen" };
+const words = {
+  g: "gain",
+  l: "loss",
+  n: "none",
+  "-": "unseen"
+};
 function changeOf(panel, a, b) {
   const found = pairOf(a, b), from = valueOf(panel, a), to = valueOf(panel, b);
   if (!found || !from || !to) return null;
   const verdict = words[found.pair.verdicts[panel.index]];
-  const turned = found.sign > 0 ? verdict : { gain: "loss", loss: "gain" }[verdict] || verdict;
-  return { verdict: turned, leaf: to.leaf - from.leaf, half: found.pair.half[panel.index], perM: to.perM - from.perM };
+  const turned = found.sign > 0 ? verdict : {gain: "loss", loss: "gain"}[verdict] || verdict;
+  return {verdict: turned, leaf: to.leaf - from.leaf, half: found.pair.half[panel.index], perM: to.perM - from.perM};
 }
-const verdictText = { gain: "clear gain", loss: "clear loss", none: "within its error" };
+const verdictText = {
+  gain: "clear gain",
+  loss: "clear loss",
+  none: "within its error"
+};
 
 function mixed(stops, t) {
   const position = Math.min(1, Math.max(0, t)) * (stops.length - 1);
@@ -82,7 +111,7 @@ async function levelsOf(grid) {
 // A grid's pixels, one per cell; what was not observed stays transparent, so that the hatching behind shows.
 async function pixelsOf(grid, stops) {
   const levels = await levelsOf(grid);
-  const table = Uint32Array.from({ length: data.levels + 1 }, (_, level) => {
+  const table = Uint32Array.from({length: data.levels + 1}, (_, level) => {
     if (level === 0) return 0;
     const [r, g, b] = mixed(stops, (level - 1) / (data.levels - 1));
     return new Uint32Array(Uint8Array.of(r, g, b, 255).buffer)[0];
@@ -97,8 +126,8 @@ async function pixelsOf(grid, stops) {
   return canvas;
 }
 
-// Draws the part [x0, x1] × [y0, y1] (metres) of a grid over a whole canvas of `width` pixels. A later call for the same
-// canvas wins over an earlier one that is still unpacking.
+// Draws the part [x0, x1] × [y0, y1] (metres) of a grid over a whole canvas of `width` pixels. A later call for the
+// same canvas wins over an earlier one that is still unpacking.
 async function drawGrid(canvas, grid, part, width, stops) {
   const ticket = (canvas.ticket = {});
   const pixels = grid ? await pixelsOf(grid, stops) : null;
@@ -116,27 +145,33 @@ async function drawGrid(canvas, grid, part, width, stops) {
 const devicePixels = (width) => width * Math.min(3, window.devicePixelRatio || 1);
 
 function rampLegend(parent, stops, low, high, unit, beyond, unseen = true) {
-  const bar = element("div", { class: "colours" });
+  const bar = element("div", {class: "colours"});
   bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
   const digits = high - low < 4 ? 1 : 0;
   const tick = (t) => fixed(low + t * (high - low), (low + t * (high - low)) % 1 ? Math.max(1, digits) : digits);
-  parent.replaceChildren(element("div", { class: "ramp" }, bar, element("div", { class: "ticks" },
-    element("span", {}, (low < 0 ? "≤ " : "") + tick(0)), element("span", {}, tick(0.5)),
-    element("span", {}, (beyond ? "≥ " : "") + tick(1)))), element("span", {}, unit));
-  if (unseen) parent.append(element("span", {}, element("i", { class: "swatch unseen" }), "not observed"));
+  parent.replaceChildren(
+      element(
+          "div", {class: "ramp"}, bar,
+          element(
+              "div", {class: "ticks"}, element("span", {}, (low < 0 ? "≤ " : "") + tick(0)),
+              element("span", {}, tick(0.5)), element("span", {}, (beyond ? "≥ " : "") + tick(1)))),
+      element("span", {}, unit));
+  if (unseen) parent.append(element("span", {}, element("i", {class: "swatch unseen"}), "not observed"));
 }
 
 function table(headings, rows, caption) {
-  const head = element("tr", {}, headings.map(([text, kind]) => element("th", { scope: "col", class: kind || "" }, text)));
-  return element("div", { class: "scroll" }, element("table", {}, caption ? element("caption", {}, caption) : null,
-    element("thead", {}, head), element("tbody", {}, rows)));
+  const head =
+      element("tr", {}, headings.map(([text, kind]) => element("th", {scope: "col", class: kind || ""}, text)));
+  return element(
+      "div", {class: "scroll"},
+      element(
+          "table", {}, caption ? element("caption", {}, caption) : null, element("thead", {}, head),
+          element("tbody", {}, rows)));
 }
-const numberCell = (text) => element("td", { class: "number" }, text);
-const unseenCell = () => element("td", { class: "unseen" }, "not observed");
+const numberCell = (text) => element("td", {class: "number"}, text);
+const unseenCell = () => element("td", {class: "unseen"}, "not observed");
 
-function option(select, value, text) {
-  select.append(element("option", { value }, text));
-}
+function option(select, value, text) { select.append(element("option", {value}, text)); }
 // What has to be drawn again when something else is chosen.
 const redraws = [];
 function redraw() {

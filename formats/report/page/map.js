@@ -2,19 +2,20 @@
 const extent = (() => {
   const xs = panels.flatMap((p) => p.ring.filter((_, i) => i % 2 === 0));
   const ys = panels.flatMap((p) => p.ring.filter((_, i) => i % 2 === 1));
-  const low = (values) => values.reduce((a, b) => Math.min(a, b)), high = (values) => values.reduce((a, b) => Math.max(a, b));
+  const low = (values) => values.reduce((a, b) => Math.min(a, b)),
+        high = (values) => values.reduce((a, b) => Math.max(a, b));
   const margin = 2.5;
-  return { x0: low(xs) - margin, x1: high(xs) + margin, y0: low(ys) - 2 * margin, y1: high(ys) + margin };
+  return {x0: low(xs) - margin, x1: high(xs) + margin, y0: low(ys) - 2 * margin, y1: high(ys) + margin};
 })();
 const extentPart = [extent.x0, extent.x1, extent.y0, extent.y1];
 const flipped = (y) => extent.y1 - y;  // SVG's y runs down
 
 const layers = {
-  density: { text: "Canopy density, finest detail" },
-  leaf: { text: "Leaf area, panel by panel" },
-  change: { text: "Change since the date before" },
-  classes: { text: "Five classes, weakest to strongest" },
-  gaps: { text: "Gaps over canopy density" },
+  density: {text: "Canopy density, finest detail"},
+  leaf: {text: "Leaf area, panel by panel"},
+  change: {text: "Change since the date before"},
+  classes: {text: "Five classes, weakest to strongest"},
+  gaps: {text: "Gaps over canopy density"},
 };
 const showsGrid = () => chosen.layer === "density" || chosen.layer === "gaps";
 
@@ -34,20 +35,23 @@ function panelColour(panel) {
 const map = {};
 function buildMap() {
   map.root = byId("map");
-  map.canvas = element("canvas", { "aria-hidden": "true" });
-  map.svg = drawn("svg", { viewBox: `0 0 ${extent.x1 - extent.x0} ${extent.y1 - extent.y0}`, "aria-hidden": "true" });
+  map.canvas = element("canvas", {"aria-hidden": "true"});
+  map.svg = drawn("svg", {viewBox: `0 0 ${extent.x1 - extent.x0} ${extent.y1 - extent.y0}`, "aria-hidden": "true"});
   map.root.style.setProperty("--aspect", (extent.x1 - extent.x0) / (extent.y1 - extent.y0));
   const outline = (p) => p.ring.map((v, i) => (i % 2 ? flipped(v) : v - extent.x0).toFixed(2)).join(" ");
-  map.polygons = panels.map((p) => drawn("polygon", { points: outline(p) }));
-  map.halo = drawn("polygon", { class: "halo" });
-  map.ring = drawn("polygon", { class: "chosen" });
+  map.polygons = panels.map((p) => drawn("polygon", {points: outline(p)}));
+  map.halo = drawn("polygon", {class: "halo"});
+  map.ring = drawn("polygon", {class: "chosen"});
   map.gaps = drawn("g");
   map.texts = drawn("g");
-  const hatch = drawn("pattern", { id: "unseen", width: 0.4, height: 0.4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
-    drawn("rect", { class: "hatch-a", width: 0.4, height: 0.4 }), drawn("rect", { class: "hatch-b", width: 0.13, height: 0.4 }));
+  const hatch = drawn(
+      "pattern",
+      {id: "unseen", width: 0.4, height: 0.4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)"},
+      drawn("rect", {class: "hatch-a", width: 0.4, height: 0.4}),
+      drawn("rect", {class: "hatch-b", width: 0.13, height: 0.4}));
   map.svg.append(drawn("defs", {}, hatch), drawn("g", {}, map.polygons), map.gaps, map.halo, map.ring, map.texts);
   map.root.append(map.canvas, map.svg);
-  map.root.addEventListener("click", (event) => choose({ panel: nearestPanel(event) }));
+  map.root.addEventListener("click", (event) => choose({panel: nearestPanel(event)}));
   map.root.addEventListener("keydown", walk);
   new ResizeObserver(drawMap).observe(map.root);
   redraws.push(drawMap);
@@ -57,7 +61,7 @@ function buildMap() {
 function acrossPairs(panel) {
   const closed = panel.ring[0] === panel.ring.at(-2) && panel.ring[1] === panel.ring.at(-1);
   const count = panel.ring.length / 2 - (closed ? 1 : 0), at = (k) => [panel.ring[2 * k], panel.ring[2 * k + 1]];
-  return Array.from({ length: Math.floor(count / 2) }, (_, i) => [at(i), at(count - 1 - i)]);
+  return Array.from({length: Math.floor(count / 2)}, (_, i) => [at(i), at(count - 1 - i)]);
 }
 const between = ([p, q]) => [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
 
@@ -91,14 +95,14 @@ function nearestPanel(event) {
 
 // Arrow keys: along the row, and to the panel beside in the next row.
 function walk(event) {
-  const step = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+  const step = {ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0]}[event.key];
   if (!step) return;
   event.preventDefault();
   const here = panels[chosen.panel], row = here.rowIndex + step[0];
   const beside = panels.filter((p) => p.rowIndex === row && (step[0] !== 0 || p.number === here.number + step[1]));
   const middle = (p) => (p.start + p.end) / 2;
   beside.sort((p, q) => Math.abs(middle(p) - middle(here)) - Math.abs(middle(q) - middle(here)));
-  if (beside.length > 0) choose({ panel: beside[0].index });
+  if (beside.length > 0) choose({panel: beside[0].index});
 }
 
 function drawMap() {
@@ -110,8 +114,12 @@ function drawMap() {
     map.polygons[panel.index].style.fill = showsGrid() ? "none" : panelColour(panel) || "url(#unseen)";
   const around = widened(panels[chosen.panel], (5 * (extent.x1 - extent.x0)) / width);
   for (const ring of [map.halo, map.ring]) ring.setAttribute("points", around);
-  map.gaps.replaceChildren(...(chosen.layer === "gaps" ? data.scans[chosen.date].gaps : []).map((g) =>
-    drawn("line", { class: "gap", x1: g[1] - extent.x0, y1: flipped(g[2]), x2: g[3] - extent.x0, y2: flipped(g[4]) })));
+  map.gaps.replaceChildren(
+      ...(chosen.layer === "gaps" ? data.scans[chosen.date].gaps : [])
+          .map(
+              (g) => drawn(
+                  "line",
+                  {class: "gap", x1: g[1] - extent.x0, y1: flipped(g[2]), x2: g[3] - extent.x0, y2: flipped(g[4])})));
   drawTexts(width);
   drawLegend();
 }
@@ -126,13 +134,23 @@ function drawTexts(width) {
     if (last && Math.hypot(x - last[0], y - last[1]) < 1.5 * size) continue;
     last = [x, y];
     const dx = row.line[2] - row.line[0], dy = row.line[3] - row.line[1], length = Math.hypot(dx, dy);
-    texts.push(drawn("text", { x: x - (dx / length) * size, y: y + (dy / length) * size + 0.35 * size, "font-size": size,
-      "stroke-width": 0.25 * size, "text-anchor": "middle" }, String(row.number)));
+    texts.push(drawn(
+        "text", {
+          x: x - (dx / length) * size,
+          y: y + (dy / length) * size + 0.35 * size,
+          "font-size": size,
+          "stroke-width": 0.25 * size,
+          "text-anchor": "middle"
+        },
+        String(row.number)));
   }
   const bar = [1, 2, 5, 10, 20, 50, 100].filter((m) => m / metre <= width / 3).at(-1) || 1;
   const x = size, y = extent.y1 - extent.y0 - size;
-  texts.push(drawn("path", { class: "bar", "stroke-width": 2 * metre, d: `M${x} ${y - size / 3}V${y}H${x + bar}V${y - size / 3}` }),
-    drawn("text", { x: x + bar + size / 2, y, "font-size": size, "stroke-width": 0.25 * size }, `${bar} m`));
+  texts.push(
+      drawn(
+          "path",
+          {class: "bar", "stroke-width": 2 * metre, d: `M${x} ${y - size / 3}V${y}H${x + bar}V${y - size / 3}`}),
+      drawn("text", {x: x + bar + size / 2, y, "font-size": size, "stroke-width": 0.25 * size}, `${bar} m`));
   map.texts.replaceChildren(...texts);
 }
 
@@ -141,38 +159,56 @@ function drawLegend() {
   const captions = {
     density: "One-sided area of leaves and wood above each square metre of ground.",
     leaf: "Leaf area per metre of row of each panel.",
-    change: chosen.date === 0 ? "This is the first date: there is nothing to compare it with."
-      : `Leaf area on ${scan.label} less that on ${data.scans[chosen.date - 1].label}. Small changes may be errors of ` +
-        "measurement; the panel's own text says whether a change is clear.",
-    classes: "Five classes with equally many panels, by leaf area per metre on this date. They rank panels against each " +
-      "other and are no agronomic zones.",
+    change: chosen.date === 0 ? "This is the first date: there is nothing to compare it with." :
+                                `Leaf area on ${scan.label} less that on ${
+                                    data.scans[chosen.date - 1].label}. Small changes may be errors of ` +
+            "measurement; the panel's own text says whether a change is clear.",
+    classes:
+        "Five classes with equally many panels, by leaf area per metre on this date. They rank panels against each " +
+        "other and are no agronomic zones.",
     gaps: `${scan.gaps.length} gaps on this date, drawn in magenta.`,
   };
-  if (chosen.layer === "change") rampLegend(legend, data.ramps.change, -data.scale.change, data.scale.change, "m² per metre of row", true);
-  else if (chosen.layer === "leaf") rampLegend(legend, stopsNow(), 0, data.scale.leaf, "m² per metre of row", true);
-  else if (showsGrid()) rampLegend(legend, stopsNow(), 0, data.scale.map, "m²/m²", true);
-  else legend.replaceChildren(...Array.from({ length: data.classes }, (_, i) => {
-    const swatch = element("i", { class: "swatch" });
-    swatch.style.background = colour(stopsNow(), i / (data.classes - 1));
-    return element("span", {}, swatch, i === 0 ? "weakest fifth" : i + 1 === data.classes ? "strongest fifth" : String(i + 1));
-  }), element("span", {}, element("i", { class: "swatch unseen" }), "not observed"));
-  say("map-caption", captions[chosen.layer] + (chosen.layer === "change" || chosen.layer === "classes" ? "" :
-    " The scale is the same on all dates.") + " North is up; row numbers stand where rows start.");
+  if (chosen.layer === "change")
+    rampLegend(legend, data.ramps.change, -data.scale.change, data.scale.change, "m² per metre of row", true);
+  else if (chosen.layer === "leaf")
+    rampLegend(legend, stopsNow(), 0, data.scale.leaf, "m² per metre of row", true);
+  else if (showsGrid())
+    rampLegend(legend, stopsNow(), 0, data.scale.map, "m²/m²", true);
+  else
+    legend.replaceChildren(...Array.from({length: data.classes}, (_, i) => {
+      const swatch = element("i", {class: "swatch"});
+      swatch.style.background = colour(stopsNow(), i / (data.classes - 1));
+      return element(
+          "span", {}, swatch,
+          i === 0                    ? "weakest fifth" :
+              i + 1 === data.classes ? "strongest fifth" :
+                                       String(i + 1));
+    }), element("span", {}, element("i", {class: "swatch unseen"}), "not observed"));
+  say("map-caption",
+      captions[chosen.layer] +
+          (chosen.layer === "change" || chosen.layer === "classes" ? "" : " The scale is the same on all dates.") +
+          " North is up; row numbers stand where rows start.");
 }
 
 function buildThumbs() {
   const canvases = [];
   data.scans.forEach((scan, date) => {
-    const canvas = element("canvas", { "aria-hidden": "true" }), total = scan.block;
+    const canvas = element("canvas", {"aria-hidden": "true"}), total = scan.block;
     canvases.push(canvas);
-    const button = element("button", { type: "button", "data-date": date }, canvas, element("span", {}, scan.label),
-      element("span", { class: "sub" }, scan.dormant ? "no leaves" : total ? `${fixed(total[0], 2)} m² per metre` : "not observed"));
-    button.addEventListener("click", () => choose({ date }));
+    const button = element(
+        "button", {type: "button", "data-date": date}, canvas, element("span", {}, scan.label),
+        element(
+            "span", {class: "sub"},
+            scan.dormant ? "no leaves" :
+                total    ? `${fixed(total[0], 2)} m² per metre` :
+                           "not observed"));
+    button.addEventListener("click", () => choose({date}));
     byId("thumbs").append(button);
   });
   let shown = null;
   redraws.push(() => {
-    for (const button of byId("thumbs").children) button.setAttribute("aria-pressed", Number(button.dataset.date) === chosen.date);
+    for (const button of byId("thumbs").children)
+      button.setAttribute("aria-pressed", Number(button.dataset.date) === chosen.date);
     if (shown === chosen.palette) return;
     shown = chosen.palette;
     canvases.forEach((canvas, date) => drawGrid(canvas, data.scans[date].map, extentPart, 320, stopsNow()));

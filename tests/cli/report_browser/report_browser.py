@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Drives a report in headless Chromium as a reader would: date slider, click on the map, keys, tables, dark, 390 px wide,
-print. Nothing may complain, ask for anything from outside, or run what a block's name says.
+"""Drives a report in headless Chromium as a reader would: date slider, click on the map, keys, tables, dark, 390 px
+wide, print. Nothing may complain, ask for anything from outside, or run what a block's name says.
 
     tests/cli/report_browser/report_browser.py PROGRAM WORK_FOLDER [--report FILE] [--pictures FOLDER]
 
@@ -15,11 +15,12 @@ import shutil
 import subprocess
 import sys
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from chromium import Chromium, find_chromium  # noqa: E402
 
-HOSTILE = {"--block": "<img src=x onerror=window.hacked=1>", "--farm": "Hill & \"Dale\" </script><script>window.hacked=2</script>",
-           "--variety": "Shiraz {{data}}"}
+HOSTILE = {"--block": "<img src=x onerror=window.hacked=1>",
+           "--farm": "Hill & \"Dale\" </script><script>window.hacked=2</script>", "--variety": "Shiraz {{data}}"}
 SITE = """[site]
 name = "small"
 latitude_deg = -35.2
@@ -69,12 +70,18 @@ def make_report(program, work):
 MAP = """(() => { const c = document.querySelector('#map canvas'), copy = document.createElement('canvas');
   [copy.width, copy.height] = [c.width, c.height]; const context = copy.getContext('2d', { willReadFrequently: true });
   context.drawImage(c, 0, 0); const d = context.getImageData(0, 0, c.width, c.height).data;
-  let seen = 0, sum = 0; for (let i = 0; i < d.length; i += 4) { if (d[i + 3]) ++seen; sum = (31 * sum + d[i] + 7 * d[i + 1] + 13 * d[i + 2] + d[i + 3]) % 1000003; }
+  let seen = 0, sum = 0;
+  for (let i = 0; i < d.length; i += 4) {
+    if (d[i + 3]) ++seen;
+    sum = (31 * sum + d[i] + 7 * d[i + 1] + 13 * d[i + 2] + d[i + 3]) % 1000003;
+  }
   return [seen, sum]; })()"""
-SETTLED = "document.querySelector('#map canvas').width > 1 && [...document.querySelectorAll('.side canvas, .thumbs canvas')].every((c) => c.width > 1)"
+SETTLED = "[...document.querySelectorAll('#map canvas, .side canvas, .thumbs canvas')].every((c) => c.width > 1)"
 # Relative luminances after WCAG 2, and from them the contrast of two colours given as CSS variables.
 CONTRAST = """((a, b) => { const probe = document.createElement('i'); document.body.append(probe);
-  const light = (name) => { probe.style.color = `var(${name})`; const parts = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3);
+  const light = (name) => {
+    probe.style.color = `var(${name})`;
+    const parts = getComputedStyle(probe).color.match(/[\\d.]+/g).slice(0, 3);
     const [r, g, b] = parts.map((v) => v / 255).map((v) => (v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
   const [x, y] = [light(a), light(b)].sort((p, q) => q - p); probe.remove(); return (x + 0.05) / (y + 0.05); })"""
@@ -82,7 +89,8 @@ CONTRAST = """((a, b) => { const probe = document.createElement('i'); document.b
 
 def panel_centre(page, index):
     """Where a panel's middle is on the screen."""
-    return page.js(f"(() => {{ map.root.scrollIntoView({{block: 'center'}}); const b = map.polygons[{index}].getBoundingClientRect();"
+    return page.js("(() => { map.root.scrollIntoView({block: 'center'});"
+                   f" const b = map.polygons[{index}].getBoundingClientRect();"
                    " return [b.left + b.width / 2, b.top + b.height / 2]; })()")
 
 
@@ -90,10 +98,11 @@ def check_text(page):
     heading = page.js("document.querySelector('h1').textContent")
     check(heading == "Block " + HOSTILE["--block"], "the block's name is shown as it is: " + heading)
     check(HOSTILE["--farm"] in page.js("document.querySelector('.sub').textContent"), "so is the farm's")
-    check("{{data}}" in page.js("document.querySelector('.sub').textContent"), "and what looks like the page's template")
+    check("{{data}}" in page.js("document.querySelector('.sub').textContent"), "and what looks like a template")
     check(page.js("document.images.length === 0 && document.scripts.length === 2"), "no element came of a name")
     check(page.js("window.hacked === undefined"), "no script ran that came from a name")
-    inline = page.js("[...document.querySelectorAll('*')].filter((e) => [...e.attributes].some((a) => a.name.startsWith('on'))).length")
+    inline = page.js("[...document.querySelectorAll('*')].flatMap((e) => [...e.attributes])"
+                     ".filter((a) => a.name.startsWith('on')).length")
     check(inline == 0, "there are no inline handlers")
 
 
@@ -105,7 +114,7 @@ def check_dates(page):
     page.press("ArrowLeft", 37)
     page.wait_for(f"chosen.date === {last - 1}")
     page.wait_for(f"JSON.stringify({MAP}) !== '{json.dumps(before, separators=(',', ':'))}'")
-    check(page.js("document.getElementById('date-text').textContent") != text, "the slider's keys change the date and the map")
+    check(page.js("document.getElementById('date-text').textContent") != text, "keys on the slider change date and map")
     check(page.js("document.getElementById('date').getAttribute('aria-valuetext')") ==
           page.js(f"data.scans[{last - 1}].label"), "and it says the date to those who cannot see it")
     page.js("document.getElementById('date-on').click()")
@@ -119,9 +128,11 @@ def check_panels(page):
     name = page.js(f"panelName(panels[{wanted}])")
     page.wait_for(f"document.getElementById('panel-h').textContent === {json.dumps(name)}", 10)
     check(True, f"a click shows {name}")
-    check(page.js("document.querySelectorAll('#panel-curve circle.dot').length") ==
-          page.js("data.scans.filter((s, d) => valueOf(panels[chosen.panel], d)).length"), "with a point for each date that saw it")
-    check(page.js("document.querySelectorAll('#panel-sides canvas').length === data.scans.length"), "and its side view on all dates")
+    points, seen = (page.js("document.querySelectorAll('#panel-curve circle.dot').length"),
+                    page.js("data.scans.filter((s, d) => valueOf(panels[chosen.panel], d)).length"))
+    check(points == seen, "with a point for each date that saw it")
+    sides = page.js("document.querySelectorAll('#panel-sides canvas').length")
+    check(sides == page.js("data.scans.length"), "and its side view on all dates")
     page.js("map.root.focus()")
     page.press("ArrowDown" if page.js("panels[chosen.panel].rowIndex === 0") else "ArrowUp", 40)
     page.wait_for(f"panels[chosen.panel].rowIndex !== panels[{wanted}].rowIndex", 10)
@@ -133,7 +144,8 @@ def check_panels(page):
 
 
 def choose(page, name, value):
-    page.js(f"(() => {{ const s = document.getElementById('{name}'); s.value = '{value}'; s.dispatchEvent(new Event('change')); }})()")
+    page.js(f"(() => {{ const s = document.getElementById('{name}'); s.value = '{value}';"
+            " s.dispatchEvent(new Event('change')); })()")
 
 
 def check_layers(page):
@@ -151,14 +163,16 @@ def check_layers(page):
     page.wait_for(f"{MAP}[1] === {before[1]}")
     check(True, "another choice of colours recolours the map")
     marks = page.js("document.querySelectorAll('#scatter .pick').length")
-    check(marks == page.js("panels.filter((p) => changeOf(p, chosen.a, chosen.b)).length") and marks > 0, f"the scatter has {marks} panels")
+    compared = page.js("panels.filter((p) => changeOf(p, chosen.a, chosen.b)).length")
+    check(marks == compared and marks > 0, f"the scatter has {marks} panels")
     check("m²" in page.js("document.getElementById('pair-text').textContent"), "and says what changed")
 
 
 def check_sizes(page, pictures):
     for scheme in ("light", "dark"):
         page.colours(scheme)
-        dark = page.js("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).every((v) => v < 60)")
+        dark = page.js("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3)"
+                       ".every((v) => v < 60)")
         check(dark == (scheme == "dark"), f"{scheme} is {scheme}")
         for name in ("--ink", "--soft", "--accent", "--gain", "--loss", "--warn"):
             contrast = page.js(f"{CONTRAST}('{name}', '--card')")
@@ -172,7 +186,8 @@ def check_sizes(page, pictures):
     page.wait_for(SETTLED)
     width = page.js("document.documentElement.scrollWidth")
     check(width <= 390, f"at 390 px nothing sticks out: {width} px")
-    small = page.js("[...document.querySelectorAll('.chart text')].filter((t) => t.getBoundingClientRect().height < 9).length")
+    small = page.js("[...document.querySelectorAll('.chart text')]"
+                    ".filter((t) => t.getBoundingClientRect().height < 9).length")
     check(small == 0, "and the charts' text stays readable")
     if pictures:
         page.picture(pictures / "phone.png", whole=True)
@@ -185,7 +200,8 @@ def check_print(page, pictures):
         pdf = page.pdf()
         pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
         box = re.search(rb"/MediaBox\s*\[\s*0 0 ([\d.]+) ([\d.]+)", pdf)
-        check(box is not None and abs(float(box[1]) - 595) < 2 and abs(float(box[2]) - 842) < 2, "it prints on A4")
+        a4 = box is not None and abs(float(box[1]) - 595) < 2 and abs(float(box[2]) - 842) < 2
+        check(a4, "it prints on A4")
         check(1 < pages < 15, f"on {pages} pages")
         if pictures:
             (pictures / f"print_{scheme}.pdf").write_bytes(pdf)

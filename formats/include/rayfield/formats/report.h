@@ -49,8 +49,8 @@ struct BlockReport {
 /// How much of pictures a report holds at most, in cells over all dates; maps and side views are made coarser by whole
 /// factors until they fit.
 struct ReportOptions {
-  std::size_t max_map_cells = 6'000'000;
-  std::size_t max_side_view_cells = 6'000'000;
+  std::size_t max_map_cells = 5'000'000;
+  std::size_t max_side_view_cells = 5'000'000;
 };
 
 /// The factor by which every map of `dates` dates has to be made coarser.
