@@ -12,6 +12,7 @@ void add_all_commands(Commands& commands) {
   add_export_command(commands);
   add_update_command(commands);
   add_compare_command(commands);
+  add_report_command(commands);
   add_registry_command(commands);
   add_info_command(commands);
   add_options_command(commands);

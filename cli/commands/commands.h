@@ -14,6 +14,7 @@ void add_add_command(Commands& commands);
 void add_process_command(Commands& commands);
 void add_export_command(Commands& commands);
 void add_compare_command(Commands& commands);
+void add_report_command(Commands& commands);
 void add_update_command(Commands& commands);
 void add_remove_command(Commands& commands);
 void add_revert_command(Commands& commands);

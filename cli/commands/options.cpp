@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/products/report_block.h"
 #include "rayfield/align/options.h"
 #include "rayfield/core/option_fields.h"
 #include "rayfield/density/comparison.h"
@@ -25,7 +26,8 @@ Result<Outcome> run_options(const std::string& wanted) {
       {"process", describe_options<density::ProcessOptions>()},
       {"slam", describe_options<slam::SlamOptions>()},
       {"add", describe_options<align::AlignOptions>()},
-      {"compare", describe_options<density::ComparisonOptions>()}};
+      {"compare", describe_options<density::ComparisonOptions>()},
+      {"report", describe_options<ReportSettings>()}};
   Outcome outcome;
   outcome.data = nlohmann::ordered_json::object();
   for (const auto& [command, fields] : commands) {
@@ -45,8 +47,8 @@ void add_options_command(Commands& commands) {
   CLI::App* command =
       commands.add("options", "List the options that --set and configuration files take, with defaults and ranges",
                    "rayfield options process", [wanted](Context&) { return run_options(*wanted); });
-  command->add_option("COMMAND", *wanted, "process, slam, add or compare (default: all)")
-      ->check(CLI::IsMember({"process", "slam", "add", "compare"}));
+  command->add_option("COMMAND", *wanted, "process, slam, add, compare or report (default: all)")
+      ->check(CLI::IsMember({"process", "slam", "add", "compare", "report"}));
 }
 
 }  // namespace rayfield::cli

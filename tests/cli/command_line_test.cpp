@@ -32,8 +32,9 @@ class CommandLine : public testing::Test {
 };
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
-  for (const char* verb : {"demo", "simulate", "init", "add", "process", "export", "update", "compare", "info",
-                           "status", "log", "remove", "revert", "registry", "verify", "repair", "gc", "experiment"}) {
+  for (const char* verb :
+       {"demo", "simulate", "init", "add", "process", "export", "update", "compare", "report", "info", "status", "log",
+        "remove", "revert", "registry", "verify", "repair", "gc", "experiment"}) {
     const Outcome run = rayfield({verb, "--help"});
     EXPECT_EQ(run.exit_code, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr(std::string("rayfield ") + verb)) << verb;

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "rayfield/density/findings.h"
 #include "rayfield/density/missing_rays.h"
 
 namespace rayfield::density {
@@ -14,7 +15,7 @@ class EveryOptionOf : public ::testing::Test {};
 using AllOptions =
     ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions, PostOptions,
                      RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions,
-                     IntegrationOptions, PlanRasterOptions, LeafOptions, MissingRayOptions>;
+                     IntegrationOptions, PlanRasterOptions, LeafOptions, MissingRayOptions, GapOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {

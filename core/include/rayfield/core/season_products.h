@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -84,6 +85,23 @@ struct SeasonValue {
   double leaf_area_m2 = 0, plant_area_m2 = 0;
   double leaf_area_per_m = 0, plant_area_per_m = 0;
   double ci_low_per_m = 0, ci_high_per_m = 0;  ///< 95 % interval of leaf_area_per_m
+};
+
+/// A stretch of row with hardly any canopy on one date.
+struct RowGap {
+  int row_number = 0;
+  double start_m = 0, end_m = 0;                       ///< along the row's centreline
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of its middle, map coordinates, m
+  int panel_number = 0;                                ///< of the panel that holds its middle; 0: none does
+  double length_m() const { return end_m - start_m; }
+};
+
+/// Neighbouring panels of a row that are all among the weakest of the block on one date.
+struct WeakStretch {
+  int row_number = 0;
+  int first_panel = 0, last_panel = 0;  ///< panel numbers
+  double start_m = 0, end_m = 0;        ///< along the row's centreline
+  double leaf_area_per_m = 0;           ///< of all of them together
 };
 
 }  // namespace rayfield

@@ -29,5 +29,6 @@
 #include "rayfield/formats/product_folder.h"  // products that appear in their folder together
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
+#include "rayfield/formats/report.h"          // a block with all its dates as one HTML document
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
 #include "rayfield/formats/style.h"           // their colours, lines and text

@@ -3,6 +3,7 @@
 /// libdensity: from the tiles of a block to canopy density. What programs need of it:
 #include "rayfield/density/comparison.h"      // two dates against each other
 #include "rayfield/density/estimator.h"       // the estimators, from sums over rays
+#include "rayfield/density/findings.h"        // gaps and weak stretches of one date
 #include "rayfield/density/landmarks.h"       // what of a block does not grow, to lay scans on each other
 #include "rayfield/density/layout_options.h"  // options of the stages up to the block's layout
 #include "rayfield/density/load.h"            // what process() left in the store, as products
