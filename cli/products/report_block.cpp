@@ -94,6 +94,10 @@ Result<formats::BlockReport> load_report(const tile::Store& store, const ReportR
   RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(snapshot, request.dates));
   formats::BlockReport report;
   RAYFIELD_ASSIGN(report.block, density::load_block(store, snapshot, scan_ids));
+  for (ScanResults& results : report.block.scans) {
+    const tile::ScanEntry& entry = *snapshot.find_scan(results.scan.scan_id);
+    RAYFIELD_ASSIGN(results.sections, density::load_sections(store, snapshot, entry, "side_view"));
+  }
   const BlockProducts& block = report.block;
   progress.stage("report", block.scans.size(), "dates");
   for (std::size_t i = 0; i < block.scans.size(); ++i) {
