@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,6 +77,9 @@ struct RowLayout {
 
 /// The panels of one row, in their order along it.
 std::vector<Panel> panels_of(const RowLayout& layout, int row);
+
+/// Voxels of one row segment at most: far more than a row has.
+inline constexpr std::int64_t kMostVoxels = std::int64_t{1} << 28;
 
 /// A straight piece of a row with its own frame; voxels are made per row segment, so that rows may curve gently and the
 /// ground under them may roll. Local coordinates of a map point p with (e, n) = p − origin in plan:

@@ -43,6 +43,26 @@ Result<std::vector<RowExtents>> get_extents(const tile::ArraySet& arrays) {
   return extents;
 }
 
+/// Further than anything can be that `process` makes.
+constexpr double kFarthestM = 1e8, kFarthestFromRowM = 1000, kLargestVoxelM = 10;
+
+/// A stored file may come from a stranger.
+Result<void> check(const RowSegment& s, const tile::ArraySet& arrays) {
+  const std::int64_t columns = std::int64_t{s.n_along} * s.n_across;
+  if (s.n_along < 1 || s.n_across < 1 || s.n_up < 1 || !(s.voxel_m > 0))
+    return damaged(arrays, "a row segment without voxels");
+  if (columns > kMostVoxels || columns * s.n_up > kMostVoxels)
+    return damaged(arrays, "a row segment with more voxels than a row has");
+  const auto within = [](double value, double limit) { return std::abs(value) <= limit; };  // false for NaN
+  if (!within(s.origin.x(), kFarthestM) || !within(s.origin.y(), kFarthestM) ||
+      !(std::abs(s.direction.norm() - 1) < 1e-6) || !within(s.chainage_m, kFarthestM) ||
+      !within(s.ground_m, kFarthestM) || !within(s.slope_along, kFarthestFromRowM) ||
+      !within(s.slope_across, kFarthestFromRowM) || !within(s.across_min_m, kFarthestFromRowM) ||
+      !within(s.up_min_m, kFarthestFromRowM) || !(s.voxel_m <= kLargestVoxelM))
+    return damaged(arrays, "a row segment where none can be");
+  return {};
+}
+
 }  // namespace
 
 tile::ArraySet row_segments_to_arrays(const RowSegmentList& list) {
@@ -77,14 +97,13 @@ Result<RowSegmentList> row_segments_from_arrays(const tile::ArraySet& arrays) {
   }
   RowSegmentList list;
   for (std::size_t i = 0; i < row.size(); ++i) {
-    if (c[3][i] < 1 || c[4][i] < 1 || c[5][i] < 1 || !(d[10][i] > 0))
-      return damaged(arrays, "a row segment without voxels");
     RowSegment s;
     s.row = c[0][i], s.index = c[1][i], s.first_along = c[2][i], s.n_along = c[3][i], s.n_across = c[4][i],
     s.n_up = c[5][i];
     s.origin = {d[0][i], d[1][i]}, s.direction = {d[2][i], d[3][i]}, s.chainage_m = d[4][i], s.ground_m = d[5][i];
     s.slope_along = d[6][i], s.slope_across = d[7][i], s.across_min_m = d[8][i], s.up_min_m = d[9][i],
     s.voxel_m = d[10][i];
+    RAYFIELD_CHECK(check(s, arrays));
     list.row_segments.push_back(s);
   }
   RAYFIELD_ASSIGN(list.extents, get_extents(arrays));

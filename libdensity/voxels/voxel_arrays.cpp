@@ -12,7 +12,6 @@ namespace {
 constexpr const char* kKind = "voxels";
 constexpr int kVersion = 2;
 constexpr std::size_t kReals = 11, kInts = 6;  // per row segment
-constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 28;
 
 template <class T>
 std::vector<T>& column(tile::ArraySet& set, const char* name) {
@@ -41,8 +40,8 @@ Result<RowSegment> pull_row_segment(std::span<const double> reals, std::span<con
   s.n_up = ints[5];
   for (const double x : reals)
     if (!std::isfinite(x)) return damaged("a row segment has numbers that are not finite");
-  if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || std::int64_t{s.n_along} * s.n_across > kMaxVoxels ||
-      std::int64_t{s.n_along} * s.n_across * s.n_up > kMaxVoxels || !(s.voxel_m > 0) ||
+  if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || std::int64_t{s.n_along} * s.n_across > kMostVoxels ||
+      std::int64_t{s.n_along} * s.n_across * s.n_up > kMostVoxels || !(s.voxel_m > 0) ||
       !(std::abs(s.direction.norm() - 1) < 1e-6))
     return damaged("a row segment has impossible dimensions");
   return s;

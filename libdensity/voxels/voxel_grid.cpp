@@ -145,7 +145,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   for (const RowSegment& s : row_segments) {
     const std::string where = "row " + std::to_string(s.row) + ", row segment " + std::to_string(s.index);
     const std::int64_t columns = std::int64_t{s.n_along} * s.n_across;
-    if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || columns * s.n_up > std::int64_t{1} << 28)
+    if (s.n_along <= 0 || s.n_across <= 0 || s.n_up <= 0 || columns * s.n_up > kMostVoxels)
       return fail(ErrorCode::usage, "cannot lay out voxels", where, "no voxels, or more than 2^28",
                   "check the row's extents");
     if (!(s.voxel_m > 0) || !(std::abs(s.direction.norm() - 1) < 1e-6))

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/libdensity/scene.h"
 
 namespace rayfield::density {
@@ -24,9 +26,25 @@ TEST(RowSegments, SurviveStorage) {
     EXPECT_EQ(back->row_segments[i].n_up, list->row_segments[i].n_up);
   }
   EXPECT_EQ(back->extents.size(), 2U);
-  tile::ArraySet wrong = row_segments_to_arrays(*list);
-  std::get<std::vector<std::int32_t>>(wrong.columns["n_up"])[0] = 0;
-  EXPECT_EQ(row_segments_from_arrays(wrong).error().code, ErrorCode::damaged);
+}
+
+TEST(RowSegments, ThatCannotBeAreRefused) {
+  const auto list =
+      make_row_segmentes(two_rows(BlockShape{}, 2.5), exact_ground([](double, double) { return 0.0; }), {}, {});
+  ASSERT_TRUE(list);
+  const auto code_with = [&](const char* column, auto value) {
+    tile::ArraySet arrays = row_segments_to_arrays(*list);
+    std::get<std::vector<decltype(value)>>(arrays.columns[column])[0] = value;
+    const auto read = row_segments_from_arrays(arrays);
+    return read ? ErrorCode::internal : read.error().code;
+  };
+  for (const std::int32_t count : {0, -1, 2147483647})
+    for (const char* column : {"n_along", "n_across", "n_up"})
+      EXPECT_EQ(code_with(column, count), ErrorCode::damaged) << column << " " << count;
+  for (const double number : {std::nan(""), 1e300, -1e300})
+    for (const char* column : {"easting_m", "northing_m", "direction_east", "chainage_m", "ground_m", "slope_along",
+                               "slope_across", "across_min_m", "up_min_m", "voxel_m"})
+      EXPECT_EQ(code_with(column, number), ErrorCode::damaged) << column << " " << number;
 }
 
 }  // namespace
