@@ -29,7 +29,9 @@ std::string moved_cloud(const std::string& from, const std::string& to, const Ei
     if (count > 0 && pivot.isZero()) pivot = batch.origin[0];
     for (std::size_t i = 0; i < count; ++i)
       for (Eigen::Vector3d* p : {&batch.origin[i], &batch.end[i]}) *p = turn * (*p - pivot) + pivot + shift;
-    if (count > 0) EXPECT_TRUE(writer->write(batch));
+    if (count > 0) {
+      EXPECT_TRUE(writer->write(batch));
+    }
   }
   EXPECT_TRUE(writer->close());
   return to;

@@ -66,7 +66,7 @@ std::vector<float> wood_area_by_definition(const RowDensity& row, const std::vec
                                   w.radius_m * (std::cos(angle) * e1 + std::sin(angle) * e2);
         double best = 1e30;
         int along = 0, first = 0;
-        Eigen::Vector3d grid;
+        Eigen::Vector3d grid = Eigen::Vector3d::Zero();
         for (const RowSegment& s : row.row_segments) {
           const Eigen::Vector3d g = GridFrame(s).grid_from_map(p);
           const double beyond = std::max({0.0, -g.x(), g.x() - s.n_along});

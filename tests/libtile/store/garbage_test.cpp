@@ -93,7 +93,9 @@ TEST_F(Garbage, NothingIsTouchedThroughALink) {
     EXPECT_EQ(std::distance(fs::recursive_directory_iterator(outside), fs::recursive_directory_iterator()), 3) << place;
     fs::remove(link);
     if (was_there) fs::rename(aside, link);
-    if (added) ASSERT_TRUE(store_.remove("2019-03-01", "remove"));
+    if (added) {
+      ASSERT_TRUE(store_.remove("2019-03-01", "remove"));
+    }
   }
 }
 

@@ -24,7 +24,9 @@ class SnapshotChainTest : public ProcessedStore {
   fs::path snapshot(int number) const { return snapshot_path(store_.folder(), static_cast<std::uint64_t>(number)); }
   void expect_nothing_lost() const {
     for (const auto& [path, bytes] : before_)
-      if (path.rfind("snapshots/", 0) != 0) EXPECT_EQ(file_text(store_.folder() / path), bytes) << path;
+      if (path.rfind("snapshots/", 0) != 0) {
+        EXPECT_EQ(file_text(store_.folder() / path), bytes) << path;
+      }
   }
   RepairReport repair(bool dry_run = false) {
     Progress progress;
