@@ -1,0 +1,147 @@
+"""Attacks on what the program has: memory, file descriptors, disk, power."""
+import contextlib
+import fcntl
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+from lab import Tally
+from writers import JOBS, end_well, words_of
+
+SHUTDOWN, WITHOUT_LOG = 0x8004587D, b"\x02\x00\x00\x00"  # EXT4_IOC_SHUTDOWN, XFS_IOC_GOINGDOWN: drop what is not on disk
+
+
+def resources(lab, until):
+    """Little address space, few descriptors, small files, little --memory: 5 and a line, or done."""
+    tally = Tally()
+    while time.monotonic() < until:
+        job, before, after = JOBS[tally.runs % len(JOBS)]
+        what, limit, value = lab.random.choice((
+            ("address space", resource.RLIMIT_AS, lab.random.randint(250, 900) << 20),
+            ("descriptors", resource.RLIMIT_NOFILE, lab.random.randint(4, 40)),
+            ("file size", resource.RLIMIT_FSIZE, lab.random.randint(1, 2000) << 10),
+            ("--memory", None, lab.random.choice(("1", "64M", "256M", "300M")))))
+        store = lab.copy(before)
+        words = words_of(lab, job, store)
+        if limit is None:
+            outcome = lab.run(*words, "--memory", value)
+        else:
+            outcome = lab.run(*words, prepare=lambda: resource.setrlimit(limit, (value, value)))
+        what = f"{job}, {what} {value}"
+        if outcome.code in (1, 127) and "rayfield: " not in outcome.err and "shared" in outcome.err:
+            continue  # not even the loader had room
+        if not tally.judge(outcome, {0, 2, 5} if limit is None else {0, 5}, what):
+            continue
+        lab.verify(store, tally, what)
+        end_well(lab, job, store, after, tally, what)
+    return tally
+
+
+class Mounted:
+    """A file system of its own for the time of a `with`."""
+
+    def __init__(self, lab, *options, source="none"):
+        self.path = lab.folder / "mounted"
+        self.path.mkdir(exist_ok=True)
+        self.command = ["mount", *options, str(source), str(self.path)]
+
+    def __enter__(self):
+        subprocess.run(self.command, check=True, capture_output=True)
+        return self.path
+
+    def __exit__(self, *_):
+        for _ in range(50):
+            if subprocess.run(["umount", str(self.path)], capture_output=True).returncode == 0:
+                return
+            time.sleep(0.1)
+        raise SystemExit(f"torture: {self.path} cannot be unmounted")
+
+
+def full_disks(lab, until):
+    """A small disk that gets full."""
+    tally = Tally()
+    while time.monotonic() < until:
+        job, before, _ = JOBS[tally.runs % len(JOBS)]
+        used = sum(p.stat().st_size for p in lab.stores[before].rglob("*") if p.is_file()) >> 10
+        size = used + lab.random.randint(40, 6000)
+        try:
+            with Mounted(lab, "-t", "tmpfs", "-o", f"size={size}k") as disk:
+                shutil.copytree(lab.stores[before], disk / "block", symlinks=True)
+                what = f"{job} with {size - used} kB left"
+                if tally.judge(lab.run(*words_of(lab, job, disk / "block")), {0, 5}, what):
+                    lab.verify(disk / "block", tally, what)
+        except (subprocess.CalledProcessError, OSError, shutil.Error) as e:
+            if tally.runs == 0:
+                return Tally(skipped=f"tmpfs cannot be mounted: {e}")
+    return tally
+
+
+def cut_power(disk):
+    handle = os.open(disk, os.O_RDONLY)
+    fcntl.ioctl(handle, SHUTDOWN, WITHOUT_LOG)
+    os.close(handle)
+
+
+def one_cut(lab, image, tally, job, before, prefix=()):
+    """Returns whether what the program had said was done is there, after a cut at a random moment or after its end."""
+    with Mounted(lab, "-o", "loop", source=image) as disk:
+        shutil.rmtree(disk / "block", ignore_errors=True)
+        shutil.copytree(lab.stores[before], disk / "block", symlinks=True)
+        os.sync()
+        words = [*prefix, lab.program, *map(str, words_of(lab, job, disk / "block"))]
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        try:
+            process.wait(timeout=None if lab.random.random() < 0.3 else lab.random.uniform(0, lab.seconds[job]))
+        except subprocess.TimeoutExpired:
+            pass
+        done = process.poll() == 0
+        cut_power(disk)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # strace does not take what it follows with it
+        process.wait()
+    tally.runs += 1
+    with Mounted(lab, "-o", "loop", source=image) as disk:
+        store = disk / "block"
+        whole = lab.run("verify", store, "--all", "-q").code == 0
+        scans = lab.scans(store)
+        there = scans is not None and (job != "add" or not done or len(scans) == 2)
+        return whole and there
+
+
+def image_of(lab, system, megabytes):
+    image = lab.folder / f"{system}.img"
+    with open(image, "wb") as file:
+        file.truncate(megabytes << 20)
+    subprocess.run([f"mkfs.{system}", "-q", str(image)], check=True, capture_output=True)
+    return image
+
+
+def power_cuts(lab, until):
+    """The power fails: what was not flushed is gone. Without fsync the same must lose something."""
+    tally = Tally()
+    images = []
+    for system, megabytes in (("ext4", 128), ("xfs", 320)):
+        try:
+            images.append(image_of(lab, system, megabytes))
+            one_cut(lab, images[-1], Tally(), "add", "one")
+        except (OSError, subprocess.CalledProcessError) as e:
+            images = images[:-1] if images and images[-1].name.startswith(system) else images
+            tally.notes.append(f"{system}: left out: {e}")
+    if not images:
+        return Tally(skipped="no file system can be mounted: " + "; ".join(tally.notes))
+    while time.monotonic() < until:
+        job, before, _ = JOBS[tally.runs % len(JOBS)]
+        image = images[tally.runs // 2 % len(images)]
+        if not one_cut(lab, image, tally, job, before):
+            tally.find("lost", f"{job} on {image.stem}")
+    if shutil.which("strace") is not None:
+        lying = ("strace", "-f", "-qq", "-o", "/dev/null", "-einject=fsync,fdatasync,sync_file_range:retval=0")
+        control = [one_cut(lab, images[0], Tally(), "add", "one", lying) for _ in range(6)]
+        tally.notes.append(f"control without fsync: {control.count(False)} of {len(control)} lost, as they should")
+        if all(control):
+            tally.find("wrong", "cuts lose nothing even where nothing is flushed: they are no cuts")
+    return tally
+
