@@ -4,7 +4,8 @@ wide, print. Nothing may complain, ask for anything from outside, or run what a 
 
     tests/cli/report_browser/report_browser.py PROGRAM WORK_FOLDER [--report FILE] [--pictures FOLDER]
 
-Without --report a small site is simulated, mapped and given hostile names. Ends with 77 where there is no Chromium.
+Without --report a small site is simulated, mapped and given hostile names. Ends with 77 where there is no Chromium, or
+where it does not start.
 """
 import argparse
 import json
@@ -222,7 +223,11 @@ def main():
     if arguments.pictures:
         arguments.pictures.mkdir(parents=True, exist_ok=True)
     report = arguments.report or make_report(arguments.program, arguments.work)
-    page = Chromium(chromium)
+    try:
+        page = Chromium(chromium)
+    except (RuntimeError, OSError) as e:
+        print(f"SKIPPED: {chromium} does not start here: {e}")
+        return 77
     try:
         page.resize(1280, 900)
         page.colours("light")
