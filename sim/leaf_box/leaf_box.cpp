@@ -84,7 +84,7 @@ RayBatch LeafBox::scan(std::span<const Pulse> pulses, const SiteLidar& lidar, st
       impl_->scene.cast(bundle.rays, lidar.max_range_m, 0, bundle.hits);
       echo = beam.receive(bundle.hits, random.uniform(-0.5, 0.5), [](const Echo&) { return false; });
     } else if (const auto hit = impl_->scene.cast(pulse.origin, pulse.direction, lidar.max_range_m)) {
-      const SubEcho met = sub_echo(reflectance, *hit, 1);
+      const SubEcho met = sub_echo(reflectance, lidar.detection, *hit, 1);
       echo = Echo{met.range_m, met.energy, met.strength};
     }
     const double range_m = echo ? echo->range_m : lidar.max_range_m;
@@ -94,11 +94,9 @@ RayBatch LeafBox::scan(std::span<const Pulse> pulses, const SiteLidar& lidar, st
   return rays;
 }
 
-// Of leaves with cosine c to the ray, uniform in 0 … 1, a ray meets c: E[c²]/E[c] = (1/3)/(1/2). Strength is linear in
-// c, so that its mean is that at the mean.
 double full_echo_of_random_leaves() {
-  constexpr double kMeanCosine = 2.0 / 3.0;
-  return sub_echo({}, {0, Material::leaf, kMeanCosine}, 1).strength;
+  const SiteReflectance reflectance;
+  return 255 * reflectance.leaf * mean_leaf_response(reflectance);
 }
 
 }  // namespace rayfield::sim

@@ -11,7 +11,8 @@ namespace rayfield::sim {
 /// What one sub-ray of a beam met.
 struct SubEcho {
   double range_m;
-  double energy;    ///< share of the beam's energy times reflectance, relative to a leaf that takes the whole beam
+  double energy;    ///< share of the beam's energy times reflectance, relative to a leaf that takes the whole beam;
+                    ///< with Detection::returned_energy also the angle's part, relative to the mean leaf's
   double strength;  ///< the same for intensity, on a scale to 255
 };
 

@@ -65,7 +65,7 @@ std::optional<Echo> Scanner::look_along_line(const Shot& shot, double t, std::ui
   const Site& site = world_.site();
   const std::optional<SceneHit> hit = world_.cast(shot.origin, shot.direction, site.lidar.max_range_m, t);
   if (!hit) return std::nullopt;
-  const SubEcho met = sub_echo(site.reflectance, *hit, 1);
+  const SubEcho met = sub_echo(site.reflectance, site.lidar.detection, *hit, 1);
   if (site.disturbance.lost_echo_share > 0) {
     const double chance = chance_of_loss(site.disturbance, met.energy, detectable_energy(site.lidar, hit->range_m));
     if (CounterRandom(world_.date().seed, Stream::disturbance, ~beam).uniform() < chance) return std::nullopt;

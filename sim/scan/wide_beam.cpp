@@ -30,13 +30,23 @@ double reflected_share(const SiteReflectance& of, Material material) {
   return of.leaf;
 }
 
+// Lambert's law, softened.
+double angle_response(const SiteReflectance& of, double cosine) { return 1 - of.angle_dependence * (1 - cosine); }
+
 }  // namespace
 
-// Intensity follows Lambert's law, softened; whether a surface is seen at all does not depend on the angle.
-SubEcho sub_echo(const SiteReflectance& reflectance, const SceneHit& hit, double share) {
+// Of leaves with cosine c to the ray, uniform in 0 … 1, a ray meets c: E[c²]/E[c] = (1/3)/(1/2). The response is linear
+// in c, so that its mean is that at the mean.
+double mean_leaf_response(const SiteReflectance& reflectance) {
+  constexpr double kMeanCosine = 2.0 / 3.0;
+  return angle_response(reflectance, kMeanCosine);
+}
+
+SubEcho sub_echo(const SiteReflectance& reflectance, Detection detection, const SceneHit& hit, double share) {
   const double reflected = reflected_share(reflectance, hit.material);
-  return {hit.range_m, share * reflected / reflectance.leaf,
-          share * (255 * reflected * (0.3 + 0.7 * hit.cos_incidence))};
+  const double response = angle_response(reflectance, hit.cos_incidence);
+  const double by_angle = detection == Detection::returned_energy ? response / mean_leaf_response(reflectance) : 1;
+  return {hit.range_m, by_angle * share * reflected / reflectance.leaf, share * (255 * reflected * response)};
 }
 
 WideBeam::WideBeam(const SiteLidar& lidar, const SiteReflectance& reflectance)
@@ -61,7 +71,7 @@ std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, double dit
   std::size_t count = 0;
   const double share = 1 / static_cast<double>(disc_.size());
   for (const SceneHit& hit : hits)
-    if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, hit, share);
+    if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, lidar_.detection, hit, share);
   return beam_return(lidar_, {met.data(), count}, share * dither, lost);
 }
 

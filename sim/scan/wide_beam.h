@@ -18,8 +18,12 @@ struct Shot {
   Eigen::Vector3d origin, direction, across, along_z;
 };
 
-/// What a surface that takes `share` of the beam adds to its echo.
-SubEcho sub_echo(const SiteReflectance& reflectance, const SceneHit& hit, double share);
+/// What a leaf at a random angle sends back on average, over what it would send back at right angles.
+double mean_leaf_response(const SiteReflectance& reflectance);
+
+/// What a surface that takes `share` of the beam adds to its echo. Of intensity what comes back at its angle; of
+/// energy, which decides on detection, the same over that of the mean leaf, or without the angle.
+SubEcho sub_echo(const SiteReflectance& reflectance, Detection detection, const SceneHit& hit, double share);
 
 /// A beam with a width as a bundle of sub-rays of equal energy.
 class WideBeam {

@@ -26,6 +26,8 @@ inline constexpr Choices<LidarKind, 2> kLidarKinds{
     {{"spinning", LidarKind::spinning}, {"multi_beam", LidarKind::multi_beam}}};
 inline constexpr Choices<EnergyProfile, 2> kEnergyProfiles{
     {{"uniform", EnergyProfile::uniform}, {"gaussian", EnergyProfile::gaussian}}};
+inline constexpr Choices<Detection, 2> kDetections{
+    {{"covered_share", Detection::covered_share}, {"returned_energy", Detection::returned_energy}}};
 inline constexpr Choices<ReturnMode, 3> kReturnModes{
     {{"first", ReturnMode::first}, {"strongest", ReturnMode::strongest}, {"last", ReturnMode::last}}};
 inline constexpr Choices<LaneOrder, 3> kLaneOrders{
@@ -117,6 +119,7 @@ void visit_sensors(V& v, Site& s) {
   v.number("detection_share", s.lidar.detection_share, 0.001, 1);
   v.number("detection_range_exponent", s.lidar.detection_range_exponent, -4, 4);
   v.number("range_resolution_m", s.lidar.range_resolution_m, 0, 2);
+  v.choice("detection", s.lidar.detection, kDetections);
   v.choice("returns", s.lidar.returns, kReturnModes);
   v.integer("sub_rays", s.lidar.sub_rays, 1, kMaxSubRays);
   v.leave();
@@ -128,6 +131,7 @@ void visit_sensors(V& v, Site& s) {
   v.number("post", s.reflectance.post, 0.01, 1);
   v.number("wire", s.reflectance.wire, 0.01, 1);
   v.number("building", s.reflectance.building, 0.01, 1);
+  v.number("angle_dependence", s.reflectance.angle_dependence, 0, 1);
   v.leave();
   v.enter("wind");
   v.number("rms_m", s.wind.rms_m, 0, 0.3);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "rayfield/sim/random.h"
 #include "sim/world/ray_scene.h"
@@ -193,6 +194,28 @@ TEST(WideBeam, EnergyAndIntensityFollowTheCoveredShareAndTheReflectance) {
     EXPECT_NEAR(energy, share * 0.6 / 0.4, 0.02) << share;
     EXPECT_NEAR(strength, 255 * share * 0.6, 0.02 * 255) << share;
   }
+}
+
+// By returned energy the unit is the mean leaf, whose cosine is 2/3: one that faces the lidar sends back 1 / (1 − a/3),
+// one at the angle i 1 − a·(1 − cos i) of that. By covered share the angle is nothing to detection.
+TEST(WideBeam, SurfacesMetAslantMayFallBelowTheThresholdWhereEnergyDecides) {
+  const SiteReflectance reflectance{.angle_dependence = 0.7};
+  constexpr auto kEnergy = Detection::returned_energy, kShare = Detection::covered_share;
+  const double facing = 1 / (1 - 0.7 / 3);
+  EXPECT_NEAR(sub_echo(reflectance, kEnergy, {5, Material::leaf, 1}, 1).energy, facing, 1e-12);
+  EXPECT_NEAR(sub_echo(reflectance, kEnergy, {5, Material::leaf, 2.0 / 3}, 1).energy, 1, 1e-12);
+  EXPECT_NEAR(sub_echo(reflectance, kEnergy, {5, Material::leaf, 0}, 0.5).energy, 0.5 * 0.3 * facing, 1e-12);
+  EXPECT_NEAR(sub_echo(reflectance, kShare, {5, Material::leaf, 0}, 0.5).energy, 0.5, 1e-12);
+  SiteLidar lidar = lms511(0.5);
+  const std::vector<SceneHit> aslant(37, {5, Material::leaf, 0.01}), straight(37, {5, Material::leaf, 1});
+  const auto returns = [&](const std::vector<SceneHit>& hits) {
+    return WideBeam(lidar, reflectance).receive(hits, 0, [](const Echo&) { return false; }).has_value();
+  };
+  EXPECT_TRUE(returns(straight));
+  EXPECT_TRUE(returns(aslant));
+  lidar.detection = kEnergy;
+  EXPECT_TRUE(returns(straight));
+  EXPECT_FALSE(returns(aslant));
 }
 
 // Steiner: a disc that a straight edge may leave by k(t)·ρ enlarges a convex shadow of area A and perimeter P to

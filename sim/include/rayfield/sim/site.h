@@ -100,6 +100,9 @@ enum class LidarKind {
 /// Energy over the beam's cross-section. The diameter of a Gaussian beam is where it falls to 1/e².
 enum class EnergyProfile { uniform, gaussian };
 
+/// What decides whether surfaces make an echo: the share of the beam that they take, or what they send back of it.
+enum class Detection { covered_share, returned_energy };
+
 /// Which echo of a beam becomes its return.
 enum class ReturnMode { first, strongest, last };
 
@@ -113,7 +116,8 @@ struct SiteLidar {
   double divergence_mrad = 0;       ///< full angle of the beam, in the lidar's x–y plane
   double divergence_z_mrad = 0;     ///< full angle across that plane; 0: the beam is round
   EnergyProfile energy_profile = EnergyProfile::uniform;
-  double detection_share = 0.25;        ///< of the beam's energy that has to fall on leaves to make an echo
+  double detection_share = 0.25;  ///< of the beam's energy that has to fall on leaves to make an echo
+  Detection detection = Detection::covered_share;
   double detection_range_exponent = 0;  ///< that share grows with (range / 5 m) to this power
   double range_resolution_m = 0.15;     ///< surfaces closer behind each other make one echo
   ReturnMode returns = ReturnMode::first;
@@ -126,6 +130,7 @@ struct SiteLidar {
 /// Share of light that a surface sends back at right angles.
 struct SiteReflectance {
   double ground = 0.35, grass = 0.5, leaf = 0.55, wood = 0.35, post = 0.45, wire = 0.7, building = 0.65;
+  double angle_dependence = 0.7;  ///< a surface met at the angle i sends back 1 − this·(1 − cos i) of it
 };
 
 /// Leaves move with the wind during a drive; their mean place is the one of the truth.
