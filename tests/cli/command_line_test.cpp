@@ -214,6 +214,9 @@ TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
   const Outcome run = rayfield({"verify", store(), "--json"});
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(nlohmann::json::parse(run.out)["damaged"].dump(), HasSubstr(damaged));
+  const Outcome quiet = rayfield({"verify", store(), "-q"});
+  expect_refused(quiet, 4, damaged);
+  EXPECT_EQ(quiet.out, "");
 }
 
 TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
