@@ -11,6 +11,7 @@
 #include "cli/console/common_options.h"
 #include "cli/console/config_file.h"
 #include "cli/console/text.h"
+#include "cli/console/usage_error.h"
 #include "version.h"
 
 namespace {
@@ -33,23 +34,11 @@ int report(const Error& error, bool json) {
   return static_cast<int>(error.code);
 }
 
-// What CLI11 found wrong, in the words of our errors.
-Error usage_error(const CLI::App& app, const std::vector<std::string>& arguments, const CLI::ParseError& problem) {
-  const CLI::App* command = nullptr;
-  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (!arguments.empty() && candidate->get_name() == arguments.front()) command = candidate;
-  if (command == nullptr && !arguments.empty())
-    return {ErrorCode::usage, "wrong usage", arguments.front(), "no such command", "see `rayfield --help`"};
-  if (command == nullptr) return {ErrorCode::usage, "wrong usage", "", "no command given", "see `rayfield --help`"};
-  return {ErrorCode::usage, "wrong usage", "rayfield " + command->get_name(), problem.what(),
-          fmt::format("see `rayfield {} --help`", command->get_name())};
-}
-
 // Declares the commands, puts a configuration file's options into the arguments, runs the one that was asked for, and
 // prints what it says: an error as one line, with --json as one document too.
 int run(int argc, char** argv) {
   CLI::App app{"rayfield: lidar drives through vineyards and orchards to canopy density maps", "rayfield"};
-  app.set_version_flag("--version", std::string("rayfield ") + rayfield::cli::kVersion);
+  app.set_version_flag("-V,--version", std::string("rayfield ") + rayfield::cli::kVersion);
   app.require_subcommand(1);
   rayfield::cli::Commands commands(app);
   rayfield::cli::add_all_commands(commands);
@@ -67,7 +56,7 @@ int run(int argc, char** argv) {
     app.parse(reversed);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
-    return report(with_config_place(usage_error(app, arguments, e), expanded->places), json);
+    return report(with_config_place(rayfield::cli::usage_error(app, arguments, e), expanded->places), json);
   }
 
   const auto outcome = commands.run_parsed(command_line);
@@ -77,10 +66,13 @@ int run(int argc, char** argv) {
   } else if (!commands.options().quiet) {
     fmt::print("{}", rayfield::cli::printable(outcome->text));
   }
+  if (commands.options().quiet)
+    for (const std::string& failure : outcome->failures)
+      fmt::print(stderr, "rayfield: {}\n", rayfield::cli::printable(failure));
   if (std::fflush(stdout) != 0)
     return report({ErrorCode::resources, "cannot write the result", "stdout", "the output was not taken", ""}, false);
   // `verify` ends with 4 when it found damage although it did its work.
-  return outcome->data.value("exit_code", 0);
+  return outcome->data.is_object() ? outcome->data.value("exit_code", 0) : 0;
 }
 
 }  // namespace

@@ -7,10 +7,9 @@
 #include "cli/console/alignment_text.h"
 #include "cli/console/option_settings.h"
 #include "cli/console/text.h"
-#include "cli/drives/drive_log.h"
 #include "cli/scans/add_scan.h"
+#include "cli/scans/scan_needs.h"
 #include "rayfield/core/date.h"
-#include "rayfield/formats/formats.h"
 
 namespace rayfield::cli {
 namespace {
@@ -21,25 +20,24 @@ struct AddArguments {
   ScanInputs inputs;
 };
 
-// What --dry-run says: how much there is to read and about what the tiles will take.
-Result<Outcome> describe_add(const tile::Store& store, const ScanInputs& inputs, Progress& progress) {
-  constexpr std::uint64_t kBytesPerRay = 20;  // upper bound for vineyards, docs/store-format.md
-  std::uint64_t rays = 0;
-  for (const auto& path : inputs.files) {
-    if (is_log(path)) {
-      RAYFIELD_CHECK(require_rig(path, inputs));
-      RAYFIELD_ASSIGN(const OpenedLog log, open_log(path.string(), inputs.rig_file, store.config().crs, progress));
-      rays += log.report.points.points;
-      continue;
-    }
-    RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path.string()));
-    rays += reader->ray_count().value_or(0);
-  }
+// What --dry-run says: whether the scan is there already, and if not how much there is to read and what it takes.
+Result<Outcome> describe_add(const tile::Store& store, const ScanInputs& inputs, tile::AddOptions options,
+                             Progress& progress) {
+  RAYFIELD_ASSIGN(options.inputs, describe_inputs(inputs, options.threads, progress));
+  RAYFIELD_ASSIGN(const auto there, store.find_added(options));
   Outcome outcome;
-  outcome.data = {
-      {"store", store.folder().string()}, {"dry_run", true}, {"rays", rays}, {"disk_bytes", rays * kBytesPerRay}};
-  outcome.text = fmt::format("Would add up to {} rays; the tiles will take up to {}\n", grouped(rays),
-                             bytes_text(rays * kBytesPerRay));
+  outcome.data = {{"store", store.folder().string()}, {"dry_run", true}, {"already_there", there.has_value()}};
+  if (there) {
+    outcome.data["scan_id"] = there->scan_id;
+    outcome.text = fmt::format("{}: already in the store, with the same content; nothing to do\n", there->scan_id);
+    return outcome;
+  }
+  RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
+  RAYFIELD_ASSIGN(const ScanNeeds scan, scan_needs(inputs, store.config().crs, latest, options.memory_bytes, progress));
+  outcome.data["rays"] = scan.rays;
+  outcome.text =
+      fmt::format("Would {}add up to {} rays\n", scan.logs > 0 ? "register the log and " : "", grouped(scan.rays));
+  add_needs(scan.needs, store.folder(), outcome);
   return outcome;
 }
 
@@ -58,7 +56,7 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
   inputs.files.assign(arguments.files.begin(), arguments.files.end());
   RAYFIELD_CHECK(apply_settings(arguments.settings, inputs.align_options));
   RAYFIELD_CHECK(inputs.align_options.validate());
-  if (context.options.dry_run) return describe_add(store, inputs, context.progress);
+  if (context.options.dry_run) return describe_add(store, inputs, options, context.progress);
   RAYFIELD_ASSIGN(const AddedScan added, add_scan(store, inputs, options, context.progress));
   const tile::AddReport& report = added.report;
 
@@ -117,7 +115,7 @@ void add_add_command(Commands& commands) {
           "--dormant", arguments->dormant,
           "yes: the vines bear no leaves, and what is seen is the wood that leaf areas of other dates are freed "
           "of; no: they do (default: decided by date and plant area; of a scan that is there it is changed)")
-      ->check(CLI::IsMember({"yes", "no"}));
+      ->transform(CLI::IsMember({"yes", "no"}, CLI::ignore_case));
   command->add_flag(
       "--restore-missing,!--no-restore-missing", arguments->inputs.restore_missing,
       "Put back the downward rays without a return that clouds leave out, from the beams' timing (docs/density.md; "

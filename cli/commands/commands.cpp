@@ -24,6 +24,8 @@ void add_all_commands(Commands& commands) {
   add_verify_command(commands);
   add_repair_command(commands);
   add_gc_command(commands);
+  add_help_command(commands);
+  add_completion_command(commands);
 }
 
 }  // namespace rayfield::cli

@@ -27,6 +27,8 @@ void add_info_command(Commands& commands);
 void add_registry_command(Commands& commands);
 void add_options_command(Commands& commands);
 void add_experiment_command(Commands& commands);
+void add_help_command(Commands& commands);
+void add_completion_command(Commands& commands);
 
 /// What a store holds: `status`, and `info` of a store.
 Result<Outcome> store_status(const std::string& folder);

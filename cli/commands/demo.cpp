@@ -6,11 +6,13 @@
 #include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/products/export_block.h"
+#include "cli/products/report_block.h"
 #include "cli/scans/add_scan.h"
 #include "cli/simulation/simulation.h"
 #include "cli/simulation/truth_comparison.h"
 #include "demo_site.h"
 #include "rayfield/density/density.h"
+#include "rayfield/formats/text_output.h"
 
 namespace rayfield::cli {
 namespace {
@@ -19,9 +21,13 @@ namespace fs = std::filesystem;
 
 // Where the demonstration lies.
 struct DemoFolders {
-  fs::path root, logs, block, maps;
+  fs::path root, logs, block, maps, report;
   explicit DemoFolders(const std::string& folder)
-      : root(folder), logs(root / "logs"), block(root / "demo_block"), maps(root / "maps") {}
+      : root(folder),
+        logs(root / "logs"),
+        block(root / "demo_block"),
+        maps(root / "maps"),
+        report(root / "report.html") {}
 };
 
 // A folder that holds something is taken only where that is an earlier demonstration and may be replaced.
@@ -34,7 +40,8 @@ Result<void> clear_folders(const DemoFolders& folders, const CommonOptions& opti
                 ours ? "it is there already" : "the folder is not empty",
                 ours ? "give another DIR, or --overwrite" : "give another DIR");
   if (!options.dry_run)
-    for (const fs::path& part : {folders.logs, folders.block, folders.maps}) fs::remove_all(part, failed);
+    for (const fs::path& part : {folders.logs, folders.block, folders.maps, folders.report})
+      fs::remove_all(part, failed);
   return {};
 }
 
@@ -56,6 +63,12 @@ Result<tile::Store> build_block(const DemoFolders& folders, const std::string& c
   RAYFIELD_CHECK(
       density::process(store, process, fmt::format("rayfield process {}", folders.block.string()), context.progress));
   return store;
+}
+
+Result<void> write_report(const tile::Store& store, const fs::path& file, Progress& progress) {
+  RAYFIELD_ASSIGN(const formats::BlockReport report, load_report(store, {}, progress));
+  RAYFIELD_ASSIGN(const std::string html, formats::report_html(report));
+  return formats::write_text_file(file.string(), html, "cannot write report");
 }
 
 // What was measured beside what is true, one line per date.
@@ -100,9 +113,15 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
   RAYFIELD_ASSIGN(const tile::Store store, build_block(folders, site.crs_code(), scans, context));
   RAYFIELD_ASSIGN(const ExportReport exported, export_block(store, folders.maps, {}, context.progress));
 
+  RAYFIELD_CHECK(write_report(store, folders.report, context.progress));
+
   const std::string logs = folders.logs.string(), block = folders.block.string(), maps = folders.maps.string();
-  outcome.data = {
-      {"folder", folder}, {"logs", logs}, {"store", block}, {"maps", maps}, {"files", nlohmann::ordered_json::array()}};
+  outcome.data = {{"folder", folder},
+                  {"logs", logs},
+                  {"store", block},
+                  {"maps", maps},
+                  {"report", folders.report.string()},
+                  {"files", nlohmann::ordered_json::array()}};
   for (const fs::path& path : exported.products) outcome.data["files"].push_back(path.string());
   outcome.text = fmt::format(
       "\nThe demonstration block is mapped: three drives, each from its raw log through SLAM, laid on the first.\n"
@@ -114,8 +133,9 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
   outcome.text += fmt::format(
       "\nOpen in QGIS: {}/demo_block.gpkg (layer panel_by_date comes coloured)\n"
       "         and: {}/demo_block_{}_plan_density.tif\n"
-      "Look at:      {}/demo_block_{}_plan_density.png\n",
-      maps, maps, scans.back().date, maps, scans.back().date);
+      "Look at:      {}/demo_block_{}_plan_density.png\n"
+      "In a browser: {}\n",
+      maps, maps, scans.back().date, maps, scans.back().date, folders.report.string());
   return outcome;
 }
 

@@ -91,7 +91,7 @@ void add_experiment_command(Commands& commands) {
                    "turbid: rays in a turbid medium; triangles: leaves of real size in a voxel; spinning: trawling and "
                    "spinning lidar; beam: wide beams, with and without their correction")
       ->required()
-      ->check(CLI::IsMember({"turbid", "triangles", "spinning", "beam"}));
+      ->transform(CLI::IsMember({"turbid", "triangles", "spinning", "beam"}, CLI::ignore_case));
   command->add_option("-o,--output", arguments->folder, "Folder for charts, as PNG and SVG (default: only the tables)");
   command->add_option("--seed", arguments->request.seed, "Of the random numbers, up to 2^53 (default 1)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53).description(""))

@@ -5,6 +5,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/products/export_block.h"
+#include "cli/products/export_needs.h"
 
 namespace rayfield::cli {
 namespace {
@@ -23,15 +24,17 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
                   {"folder", arguments.folder},
                   {"dry_run", context.options.dry_run},
                   {"files", nlohmann::ordered_json::array()}};
-  if (context.options.dry_run) {
-    outcome.text = fmt::format("Would export {} to {}\n", arguments.store, arguments.folder);
-    return outcome;
-  }
   ExportOptions options;
   options.formats = {arguments.formats.begin(), arguments.formats.end()};
   options.dates = arguments.dates;
   options.snapshot = arguments.snapshot;
   options.overwrite = context.options.overwrite;
+  if (context.options.dry_run) {
+    RAYFIELD_ASSIGN(const Needs needs, export_needs(store, options));
+    outcome.text = fmt::format("Would export {} to {}\n", arguments.store, arguments.folder);
+    add_needs(needs, arguments.folder, outcome);
+    return outcome;
+  }
   RAYFIELD_ASSIGN(const ExportReport report, export_block(store, arguments.folder, options, context.progress));
   outcome.data["snapshot"] = report.snapshot;
   for (const auto& path : report.products) {
@@ -56,7 +59,7 @@ void add_export_command(Commands& commands) {
   command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));
+      ->transform(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}, CLI::ignore_case));
 }
 
 }  // namespace rayfield::cli

@@ -4,11 +4,15 @@
 
 #include "cli/commands/commands.h"
 #include "cli/commands/store_command.h"
+#include "cli/console/needs.h"
 #include "cli/console/text.h"
 #include "rayfield/tile/tile.h"
 
 namespace rayfield::cli {
 namespace {
+
+// Of the program; lists of files are small beside it.
+constexpr std::uint64_t kMemory = std::uint64_t{96} << 20;
 
 // "scans/2019-02-11/rays: 12 files, 3.2 MB" for each folder; the files are ordered by path.
 std::string folder_lines(const tile::GarbageReport& report) {
@@ -42,6 +46,7 @@ Result<Outcome> run_gc(const std::string& folder, bool empty_trash, const Contex
     outcome.text += fmt::format("{} {} to {}/trash; `rayfield gc {} --empty-trash` deletes it\n",
                                 dry_run ? "would move" : "moved", bytes_text(report.bytes_moved), folder, folder);
   outcome.text += folder_lines(report);
+  if (dry_run) add_needs({0, 0, kMemory}, folder, outcome);
   for (const std::string& path : report.foreign)
     outcome.text += fmt::format("  {}: not of this store, left where it is\n", path);
   return outcome;

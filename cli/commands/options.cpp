@@ -48,7 +48,7 @@ void add_options_command(Commands& commands) {
       commands.add("options", "List the options that --set and configuration files take, with defaults and ranges",
                    "rayfield options process", [wanted](Context&) { return run_options(*wanted); });
   command->add_option("COMMAND", *wanted, "process, slam, add, compare or report (default: all)")
-      ->check(CLI::IsMember({"process", "slam", "add", "compare", "report"}));
+      ->transform(CLI::IsMember({"process", "slam", "add", "compare", "report"}, CLI::ignore_case));
 }
 
 }  // namespace rayfield::cli

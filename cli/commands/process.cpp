@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/console/needs.h"
 #include "cli/console/option_settings.h"
 #include "cli/console/text.h"
 #include "rayfield/density/density.h"
+#include "rayfield/density/plan.h"
 
 namespace rayfield::cli {
 namespace {
@@ -62,6 +64,12 @@ std::string plant_area_text(const density::ScanReport& scan) {
   return text;
 }
 
+// "2018-08-06, 2018-11-22 as they were"
+std::string unchanged_text(const std::vector<std::string>& scans) {
+  return fmt::format("{} as {} {}", fmt::join(scans, ", "), scans.size() == 1 ? "it" : "they",
+                     scans.size() == 1 ? "was" : "were");
+}
+
 nlohmann::ordered_json failures_json(const density::ProcessReport& report) {
   auto list = nlohmann::ordered_json::array();
   for (const density::FailedScan& failed : report.failed)
@@ -70,18 +78,32 @@ nlohmann::ordered_json failures_json(const density::ProcessReport& report) {
   return list;
 }
 
-// Processes the store and reports per scan; a dry run only names the scans.
+// What --dry-run says: the scans, which of them are to be made, and what they take.
+Result<Outcome> describe_process(const tile::Store& store, const density::ProcessOptions& options) {
+  RAYFIELD_ASSIGN(const density::ProcessPlan plan, density::plan_process(store, options));
+  std::vector<std::string> scans, needed;
+  for (const density::ScanPlan& scan : plan.scans) {
+    scans.push_back(scan.scan_id);
+    if (scan.is_needed) needed.push_back(scan.scan_id);
+  }
+  Outcome outcome;
+  outcome.data = {{"store", store.folder().string()}, {"dry_run", true}, {"scans", scans}, {"to_process", needed}};
+  if (needed.empty()) {
+    outcome.text = fmt::format("Nothing to process: {}\n", unchanged_text(scans));
+    return outcome;
+  }
+  outcome.text = fmt::format("Would process {}{}\n", fmt::join(needed, ", "),
+                             plan.layout_is_new ? ", and look for rows and panels" : "");
+  add_needs({plan.disk_bytes(), 0, options.memory_bytes}, store.folder(), outcome);
+  return outcome;
+}
+
+// Processes the store and reports per scan.
 Result<Outcome> run_process(const ProcessArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(const density::ProcessOptions options, options_of(arguments, context));
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
   Outcome outcome;
-  if (context.options.dry_run) {
-    RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-    RAYFIELD_ASSIGN(const auto scans, density::select_scans(snapshot, options.dates));
-    outcome.data = {{"store", arguments.store}, {"dry_run", true}, {"scans", scans}};
-    outcome.text = fmt::format("Would process {} scan{}\n", scans.size(), scans.size() == 1 ? "" : "s");
-    return outcome;
-  }
+  if (context.options.dry_run) return describe_process(store, options);
   RAYFIELD_ASSIGN(const density::ProcessReport report,
                   density::process(store, options, context.command_line, context.progress));
   outcome.data = {{"store", arguments.store},
@@ -93,6 +115,7 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
                   {"scans", nlohmann::ordered_json::array()}};
   outcome.text = fmt::format("{} rows, {} panels, {} posts{}\n", report.rows, report.panels, report.posts,
                              report.layout_is_new ? " (found now, kept from now on)" : "");
+  std::vector<std::string> unchanged;
   for (const density::ScanReport& scan : report.scans) {
     outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
                                      {"rays", scan.rays},
@@ -114,14 +137,23 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
       leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
       leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
     }
+    if (scan.files_made == 0 && context.options.verbose == 0) {
+      unchanged.push_back(scan.scan_id);
+      continue;
+    }
     outcome.text +=
         fmt::format("  {}  {}{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n", scan.scan_id, plant_area_text(scan),
                     leaf_area, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
     for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
   }
+  if (unchanged.size() == report.scans.size())
+    outcome.text = fmt::format("Nothing to process: {}\n", unchanged_text(unchanged));
+  else if (!unchanged.empty())
+    outcome.text += fmt::format("  {}\n", unchanged_text(unchanged));
   outcome.data["failed"] = failures_json(report);
   for (const density::FailedScan& failed : report.failed) {
     context.progress.warn(failed.error.line());
+    outcome.failures.push_back(failed.error.line());
     outcome.text += fmt::format("  {}  failed: {}\n", failed.scan_id, failed.error.line());
     outcome.data["exit_code"] = static_cast<int>(report.failed.front().error.code);
   }

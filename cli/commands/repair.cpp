@@ -34,10 +34,10 @@ Result<Outcome> run_repair(const std::string& folder, Context& context) {
   for (const std::string& scan : report.rebuilt)
     outcome.text += fmt::format("{}: {} from its files\n", scan, dry_run ? "would be made again" : "made again");
   for (const tile::Damage& left_out : report.left_out)
-    outcome.text += fmt::format("left out: {}: {}\n", left_out.path, left_out.reason);
-  if (report.snapshot == 0)
-    outcome.text += "nothing that could be repaired: look at `rayfield log`\n";
-  else
+    outcome.failures.push_back(fmt::format("left out: {}: {}", left_out.path, left_out.reason));
+  if (report.snapshot == 0) outcome.failures.emplace_back("nothing that could be repaired: look at `rayfield log`");
+  for (const std::string& failure : outcome.failures) outcome.text += failure + "\n";
+  if (report.snapshot != 0)
     outcome.text += fmt::format("{} snapshot {}; `rayfield verify --all` and `rayfield process` come next\n",
                                 dry_run ? "would publish" : "published", report.snapshot);
   if (report.snapshot == 0 || !report.left_out.empty())

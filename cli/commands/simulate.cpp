@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/console/text.h"
 #include "cli/simulation/simulation.h"
+#include "cli/simulation/simulation_needs.h"
 
 namespace rayfield::cli {
 namespace {
@@ -54,8 +55,14 @@ Result<Outcome> run_simulate(SimulateArguments arguments, const Context& context
                   "give another -o, or --overwrite");
   }
   if (context.options.dry_run) {
-    outcome.text = fmt::format("Would simulate {} date{} of {} into {}\n", site.dates.size(),
-                               site.dates.size() == 1 ? "" : "s", site.name, arguments.folder);
+    arguments.output.threads = context.options.threads;
+    RAYFIELD_ASSIGN(const SimulationNeeds simulation, simulation_needs(site, arguments.output, context.progress));
+    outcome.data["beams"] = simulation.beams;
+    outcome.data["duration_s"] = simulation.duration_s;
+    outcome.text = fmt::format("Would simulate {} date{} of {} into {}: {:.0f} s of driving, {} beams\n",
+                               site.dates.size(), site.dates.size() == 1 ? "" : "s", site.name, arguments.folder,
+                               simulation.duration_s, grouped(simulation.beams));
+    add_needs(simulation.needs, arguments.folder, outcome);
     return outcome;
   }
   arguments.output.threads = context.options.threads;

@@ -9,6 +9,7 @@
 #include "cli/console/output_paths.h"
 #include "cli/console/text.h"
 #include "cli/drives/drive_log.h"
+#include "cli/drives/drive_needs.h"
 #include "cli/drives/drive_picture.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
@@ -37,14 +38,16 @@ Result<void> check_paths(const SlamArguments& arguments, bool overwrite) {
 
 // What --dry-run says: reads the log once, as the run would, and bounds what the cloud will take.
 Result<Outcome> describe_slam(const SlamArguments& arguments, Progress& progress) {
-  constexpr std::uint64_t kBytesPerRay = 48;
   RAYFIELD_ASSIGN(const OpenedLog log, open_log(arguments.log, arguments.rig, arguments.crs, progress));
-  const std::uint64_t rays = log.report.points.points;
   Outcome outcome;
-  outcome.data = {{"log", arguments.log}, {"cloud", arguments.cloud},          {"dry_run", true},
-                  {"rays_at_most", rays}, {"disk_bytes", rays * kBytesPerRay}, {"warnings", log.warnings}};
-  outcome.text = fmt::format("Would register {} and write up to {} rays, {}\n", arguments.log, grouped(rays),
-                             bytes_text(rays * kBytesPerRay));
+  outcome.data = {{"log", arguments.log},
+                  {"cloud", arguments.cloud},
+                  {"dry_run", true},
+                  {"rays_at_most", rays_of(log)},
+                  {"warnings", log.warnings}};
+  outcome.text = fmt::format("Would register {} and write up to {} rays to {}\n", arguments.log, grouped(rays_of(log)),
+                             arguments.cloud);
+  add_needs(slam_needs(log), std::filesystem::path(arguments.cloud).parent_path(), outcome);
   return outcome;
 }
 

@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -6,6 +6,7 @@
 
 #include "cli/blocks/block_list.h"
 #include "cli/blocks/update_block.h"
+#include "cli/blocks/update_needs.h"
 #include "cli/commands/commands.h"
 #include "cli/console/option_settings.h"
 #include "cli/console/text.h"
@@ -83,13 +84,24 @@ void show_warnings(const UpdateReport& report, Progress& progress) {
     if (std::find(shown.begin(), shown.end(), warning) == shown.end()) progress.warn(warning);
 }
 
-// What --dry-run says: whether the scan is there.
-Result<Outcome> describe(const BlockUpdate& block) {
+// "Would make myblock, add up to 2 900 000 rays, process 2018-08-06 and export to maps"
+std::string described(const BlockUpdate& block, const UpdateNeeds& update) {
+  if (update.already_there && update.scans.empty()) return block.date + ": there already; nothing to process";
+  std::string text = update.makes_store ? fmt::format("Would make {}, ", block.store.string()) : "Would ";
+  text += update.already_there ? "process " : fmt::format("add up to {} rays, process them", grouped(update.rays));
+  if (!update.already_there && !update.scans.empty()) text += ", and ";
+  text += fmt::format("{}", fmt::join(update.scans, ", "));
+  return block.output ? text + " and export to " + block.output->string() : text;
+}
+
+// What --dry-run says: whether the scan is there, what would be processed, and what all of it takes.
+Result<Outcome> describe(const BlockUpdate& block, const Context& context) {
+  RAYFIELD_ASSIGN(const UpdateNeeds update, update_needs(block, options_of(context), context.progress));
   Outcome outcome;
-  outcome.data = {{"store", block.store.string()}, {"date", block.date}, {"dry_run", true}};
-  outcome.text = fmt::format("Would update {} with {} file{} of {}{}\n", block.store.string(),
-                             block.inputs.files.size(), block.inputs.files.size() == 1 ? "" : "s", block.date,
-                             block.output ? " and export to " + block.output->string() : std::string());
+  outcome.data = {{"store", block.store.string()},         {"date", block.date},  {"dry_run", true},
+                  {"already_there", update.already_there}, {"rays", update.rays}, {"to_process", update.scans}};
+  outcome.text = described(block, update) + "\n";
+  add_needs(update.needs, block.store, outcome);
   return outcome;
 }
 
@@ -102,10 +114,11 @@ Result<Outcome> run_single(const UpdateArguments& arguments, const Context& cont
     return fail(ErrorCode::usage, "wrong usage", "rayfield update", "it needs STORE, LOG|CLOUD and --date, or --batch",
                 "see `rayfield update --help`");
   RAYFIELD_CHECK(parse_date(block.date));
-  if (context.options.dry_run) return describe(block);
+  if (context.options.dry_run) return describe(block, context);
   RAYFIELD_ASSIGN(const UpdateReport report, update_block(block, options_of(context), context.progress));
   show_warnings(report, context.progress);
   Outcome outcome{to_json(block, report), to_text(report) + "\n"};
+  for (const density::FailedScan& failed : report.processed.failed) outcome.failures.push_back(failed.error.line());
   if (const auto failed = failure_of(report)) outcome.data["exit_code"] = static_cast<int>(*failed);
   return outcome;
 }
@@ -150,14 +163,16 @@ Result<Outcome> run_batch(const std::string& list, const Context& context) {
       continue;
     }
     if (context.options.dry_run) {
-      RAYFIELD_ASSIGN(const Outcome described, describe(block));
-      outcome.data["blocks"].push_back(described.data);
-      rows.push_back({name, "dry run", described.text.substr(0, described.text.size() - 1)});
+      const auto plan = describe(block, context);
+      if (!plan && (!failed || plan.error().code == ErrorCode::interrupted)) failed = plan.error().code;
+      outcome.data["blocks"].push_back(plan ? plan->data : failure_json(block, plan.error()));
+      rows.push_back({name, "dry run", plan ? plan->text.substr(0, plan->text.find('\n')) : plan.error().line()});
       continue;
     }
     const auto report = update_block(block, options_of(context), context.progress);
     if (report) {
       show_warnings(*report, context.progress);
+      for (const density::FailedScan& scan : report->processed.failed) outcome.failures.push_back(scan.error.line());
       outcome.data["blocks"].push_back(to_json(block, *report));
       rows.push_back({name, "done", to_text(*report)});
       if (!failed) failed = failure_of(*report);
@@ -166,6 +181,7 @@ Result<Outcome> run_batch(const std::string& list, const Context& context) {
     const Error& error = report.error();
     if (!failed || error.code == ErrorCode::interrupted) failed = error.code;
     context.progress.warn(error.line());
+    outcome.failures.push_back(error.line());
     outcome.data["blocks"].push_back(failure_json(block, error));
     rows.push_back({name, "failed", error.line()});
   }

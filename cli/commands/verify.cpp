@@ -17,7 +17,8 @@ Result<Outcome> run_verify(const std::string& folder, bool all, const Context& c
   outcome.data = {{"store", folder}, {"ok", damages.empty()}, {"damaged", nlohmann::ordered_json::array()}};
   for (const tile::Damage& damage : damages) {
     outcome.data["damaged"].push_back({{"path", damage.path}, {"reason", damage.reason}});
-    outcome.text += fmt::format("damaged: {}: {}\n", damage.path, damage.reason);
+    outcome.failures.push_back(fmt::format("damaged: {}: {}", damage.path, damage.reason));
+    outcome.text += outcome.failures.back() + "\n";
   }
   if (damages.empty()) {
     outcome.text = "all files are as they were written\n";

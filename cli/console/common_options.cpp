@@ -38,27 +38,40 @@ void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const 
       ->allow_extra_args(false);  // what follows is no date but, say, the store
 }
 
-CLI::App* Commands::add(const std::string& name, const std::string& description, const std::string& example,
-                        std::function<Result<Outcome>(Context&)> run) {
+CLI::App* Commands::add_plain(const std::string& name, const std::string& description, const std::string& example,
+                              std::function<Result<Outcome>(Context&)> run) {
   CLI::App* command = app_.add_subcommand(name, description);
   command->footer("Example:\n  " + example);
-  command->add_flag("--json", options_.json, "Print exactly one JSON document on stdout")->group("Common");
+  commands_.push_back({command, std::move(run)});
+  return command;
+}
+
+CLI::App* Commands::add(const std::string& name, const std::string& description, const std::string& example,
+                        std::function<Result<Outcome>(Context&)> run) {
+  CLI::App* command = add_plain(name, description, example, std::move(run));
+  add_common_options(*command);
+  return command;
+}
+
+void Commands::add_common_options(CLI::App& command) {
+  command.add_flag("--json", options_.json, "Print exactly one JSON document on stdout")->group("Common");
   command
-      ->add_option("--progress", options_.progress,
-                   "How to show progress on stderr: bar, plain, json or none (default: bar on a terminal, else plain)")
+      .add_option("--progress", options_.progress,
+                  "How to show progress on stderr: bar, plain, json or none (default: bar on a terminal, else plain)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressStyle>{{"bar", ProgressStyle::bar},
                                                                                {"plain", ProgressStyle::plain},
                                                                                {"json", ProgressStyle::json},
-                                                                               {"none", ProgressStyle::none}})
+                                                                               {"none", ProgressStyle::none}},
+                                          CLI::ignore_case)
                       .description(""))
-      ->type_name("STYLE")
+      ->type_name("bar|plain|json|none")
       ->group("Common");
-  command->add_option("--threads", options_.threads, "Worker threads (default: all processors)")
+  command.add_option("--threads", options_.threads, "Worker threads (default: all processors)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N")
       ->group("Common");
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--memory",
           [this](const std::string& text) {
             const Result<std::uint64_t> bytes = parse_memory(text);
@@ -68,16 +81,14 @@ CLI::App* Commands::add(const std::string& name, const std::string& description,
           "Bound on resident memory, e.g. 1G (default 4G)")
       ->type_name("SIZE")
       ->group("Common");
-  command->add_flag("--dry-run", options_.dry_run, "Say what would be done and what it needs; change nothing")
+  command.add_flag("--dry-run", options_.dry_run, "Say what would be done and what it needs; change nothing")
       ->group("Common");
-  command->add_flag("--overwrite", options_.overwrite, "Replace what is there already")->group("Common");
-  command->add_flag("-v,--verbose", options_.verbose, "Say more")->group("Common");
-  command->add_flag("-q,--quiet", options_.quiet, "No progress and no summary, only errors")->group("Common");
-  command->add_option("--config", "TOML file with values for options of this command (unknown keys are refused)")
+  command.add_flag("--overwrite", options_.overwrite, "Replace what is there already")->group("Common");
+  command.add_flag("-v,--verbose", options_.verbose, "Say more")->group("Common");
+  command.add_flag("-q,--quiet", options_.quiet, "No progress and no summary, only errors")->group("Common");
+  command.add_option("--config", "TOML file with values for options of this command (unknown keys are refused)")
       ->type_name("FILE.toml")
       ->group("Common");
-  commands_.push_back({command, std::move(run)});
-  return command;
 }
 
 Result<Outcome> Commands::run_parsed(const std::string& command_line) {

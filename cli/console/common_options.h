@@ -26,10 +26,12 @@ struct CommonOptions {
   bool quiet = false;
 };
 
-/// What a command has to say: `data` is the JSON document of --json, `text` what a person reads.
+/// What a command has to say: `data` is the JSON document of --json, `text` what a person reads. Where its "exit_code"
+/// is not 0 although the work was done, `failures` says why, a line each: with -q too, when `text` is not shown.
 struct Outcome {
   nlohmann::ordered_json data;
   std::string text;
+  std::vector<std::string> failures = {};
 };
 
 /// A command under way: its options, its progress.
@@ -45,6 +47,11 @@ class Commands {
   explicit Commands(CLI::App& app) : app_(app) {}
   CLI::App* add(const std::string& name, const std::string& description, const std::string& example,
                 std::function<Result<Outcome>(Context&)> run);
+  /// The same without the options that all others share: a command that only speaks of the program.
+  CLI::App* add_plain(const std::string& name, const std::string& description, const std::string& example,
+                      std::function<Result<Outcome>(Context&)> run);
+  /// The program, with all that was declared.
+  const CLI::App& app() const { return app_; }
   /// The parsed command's work; call after CLI::App::parse().
   Result<Outcome> run_parsed(const std::string& command_line);
   const CommonOptions& options() const { return options_; }
@@ -54,6 +61,7 @@ class Commands {
     CLI::App* app;
     std::function<Result<Outcome>(Context&)> run;
   };
+  void add_common_options(CLI::App& command);
   CLI::App& app_;
   CommonOptions options_;
   std::vector<Command> commands_;

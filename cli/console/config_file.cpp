@@ -9,6 +9,8 @@
 #include <set>
 
 #include "cli/console/option_settings.h"
+#include "cli/console/suggestion.h"
+#include "cli/console/usage_error.h"
 #include "rayfield/core/text_file.h"
 
 namespace rayfield::cli {
@@ -108,9 +110,10 @@ class FileOptions {
     const std::string where = place(node, name);
     const CLI::Option* option = command_.get_option_no_throw("--" + name);
     if (option == nullptr || name == "config" || name == "help")
-      return fail(ErrorCode::usage, "unknown key in configuration", where,
-                  fmt::format("`rayfield {}` has no such option", command_.get_name()),
-                  fmt::format("see `rayfield {} --help`", command_.get_name()));
+      return fail(
+          ErrorCode::usage, "unknown key in configuration", where,
+          fmt::format("`rayfield {}` has no such option", command_.get_name()),
+          suggestion(name, option_names(command_), "", fmt::format("`rayfield {} --help`", command_.get_name())));
     if (given(given_, "--" + name)) return {};
     RAYFIELD_ASSIGN(const std::vector<std::string> values, option_values(node, where));
     if (option->get_expected_max() == 0) {  // a flag
@@ -152,10 +155,7 @@ Result<ExpandedArguments> expand_config(const CLI::App& app, std::vector<std::st
     if (arguments[i].rfind("--config=", 0) == 0) path = arguments[i].substr(9);
   }
   if (path.empty() || arguments.empty()) return ExpandedArguments{std::move(arguments), {}};
-  const CLI::App* command = nullptr;
-  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (candidate->get_name() == arguments.front()) command = candidate;
-  }
+  const CLI::App* command = find_command(app, arguments.front());
   if (command == nullptr) return ExpandedArguments{std::move(arguments), {}};
 
   RAYFIELD_ASSIGN(const std::string text, read_text_file(path, "cannot read configuration"));
@@ -167,14 +167,11 @@ Result<ExpandedArguments> expand_config(const CLI::App& app, std::vector<std::st
     return fail(ErrorCode::usage, "bad configuration", fmt::format("{}:{}", path, e.source().begin.line),
                 e.description(), "");
   }
-  std::set<std::string> names;
-  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.insert(candidate->get_name());
   for (const auto& [key, node] : root) {
-    if (node.is_table() && names.count(std::string(key.str())) == 0)
+    if (node.is_table() && find_command(app, std::string(key.str())) == nullptr)
       return fail(ErrorCode::usage, "unknown table in configuration",
                   fmt::format("{}:{}: [{}]", path, node.source().begin.line, key.str()), "no command has this name",
-                  "");
+                  suggestion(key.str(), command_names(app), "", "`rayfield --help`"));
   }
   FileOptions options(*command, path, arguments);
   RAYFIELD_CHECK(options.add_table(root, true));

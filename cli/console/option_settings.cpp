@@ -1,8 +1,11 @@
 #include "cli/console/option_settings.h"
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <utility>
+
+#include "cli/console/suggestion.h"
 
 namespace rayfield::cli {
 namespace {
@@ -54,6 +57,14 @@ Result<std::pair<std::string, OptionValue>> parse_setting(const std::string& set
                 "give e.g. --set posts.min_contrast=2.5; docs/options.md lists the keys");
   return std::pair(std::string(trimmed(std::string_view(setting).substr(0, cut))),
                    parse_option_value(setting.substr(cut + 1)));
+}
+
+Error with_similar_key(Error error, const std::vector<OptionDescription>& options) {
+  std::vector<std::string> keys;
+  for (const OptionDescription& option : options) keys.push_back(option.key);
+  if (std::find(keys.begin(), keys.end(), error.where) == keys.end())
+    error.next = suggestion(error.where, keys, "", "docs/options.md");
+  return error;
 }
 
 }  // namespace rayfield::cli

@@ -31,12 +31,16 @@ CLI::Validator valid_for(const std::string& key) {
   return CLI::Validator(check, "");
 }
 
+/// The error of a key that none of `options` has tells which was probably meant; others stay as they are.
+Error with_similar_key(Error error, const std::vector<OptionDescription>& options);
+
 /// Applies settings in their order. Errors: usage, with the key.
 template <class Options>
 Result<void> apply_settings(const std::vector<std::string>& settings, Options& options) {
   for (const std::string& setting : settings) {
     RAYFIELD_ASSIGN(const auto parsed, parse_setting(setting));
-    RAYFIELD_CHECK(set_option(options, parsed.first, parsed.second, "bad --set"));
+    if (Result<void> set = set_option(options, parsed.first, parsed.second, "bad --set"); !set)
+      return tl::make_unexpected(with_similar_key(std::move(set).error(), describe_options<Options>()));
   }
   return {};
 }

@@ -116,18 +116,6 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
   return std::unique_ptr<RaySource>(std::move(reader));
 }
 
-// The rig decides what a log's rays are, so it is an input too.
-Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress) {
-  std::vector<fs::path> files = inputs.files;
-  if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
-  std::vector<tile::InputEntry> entries(files.size());
-  RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
-    RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
-    return {};
-  }));
-  return entries;
-}
-
 // The id of the scan that this one takes the place of; empty where there is none.
 std::string id_of_same_name(const tile::Snapshot& snapshot, const tile::AddOptions& options) {
   for (const tile::ScanEntry& scan : snapshot.scans)
@@ -151,6 +139,17 @@ Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
   if (!inputs.rig_file.empty()) return {};
   return fail(ErrorCode::usage, "cannot add log", log.string(), "a log needs a rig file",
               "give --rig RIG.toml; `rayfield info` proposes one");
+}
+
+Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress) {
+  std::vector<fs::path> files = inputs.files;
+  if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
+  std::vector<tile::InputEntry> entries(files.size());
+  RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
+    RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
+    return {};
+  }));
+  return entries;
 }
 
 Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::AddOptions options, Progress& progress) {

@@ -27,6 +27,9 @@ struct ScanInputs {
 /// Errors: usage where a log is given without a rig file.
 Result<void> require_rig(const std::filesystem::path& log, const ScanInputs& inputs);
 
+/// Names, sizes and digests of the files, the rig file's among them: it decides what a log's rays are.
+Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress);
+
 /// A scan that was added.
 struct AddedScan {
   tile::AddReport report;

@@ -53,7 +53,7 @@ Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   if (!registry.known() || !registry.has_evidence_of(entry)) return false;
   const RowLayout known = registry.known_before(entry);
   scan.layout = registry.layout_for(entry);
-  const std::string key = processed_key(scan.work, known, scan.layout);
+  const std::string key = processed_key(scan.work.options, entry, known, scan.layout);
   RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, key));
   if (!processed) return false;
   RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
@@ -93,7 +93,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   scan.processed.voxel_m = voxel_m;
   RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));
   report_plants(scan);
-  return keep_processed(work, processed_key(work, known, layout), scan.processed);
+  return keep_processed(work, processed_key(work.options, work.scan, known, layout), scan.processed);
 }
 
 // Files of a scan that is as it was are taken; for another wood its plants are needed after all.

@@ -15,12 +15,17 @@ constexpr int kProcessedVersion = 1;
 
 }  // namespace
 
-std::string processed_key(const ScanWork& work, const RowLayout& known, const RowLayout& layout) {
+std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& scan, const RowLayout& known,
+                          const RowLayout& layout) {
   KeyBuilder key(kKind, kProcessedVersion);
-  key.add(stage_versions()).add(option_numbers(work.options)).add(content_of(work.scan));
-  if (const auto& beam = work.scan.beam) add_beam(key, *beam);
+  key.add(stage_versions()).add(option_numbers(options)).add(content_of(scan));
+  if (const auto& beam = scan.beam) add_beam(key, *beam);
   add_lines(key, known);
   return key.add(geometry_key(layout)).hex();
+}
+
+const tile::DerivedEntry* find_processed_entry(const tile::ScanEntry& scan) {
+  return find_entry(scan.derived, kKind, "block");
 }
 
 Result<void> keep_processed(ScanWork& work, const std::string& key, const ProcessedScan& processed) {
@@ -34,7 +39,7 @@ Result<void> keep_processed(ScanWork& work, const std::string& key, const Proces
 }
 
 Result<std::optional<ProcessedScan>> find_processed(const ScanWork& work, const std::string& key) {
-  const tile::DerivedEntry* entry = find_entry(work.scan.derived, kKind, "block");
+  const tile::DerivedEntry* entry = find_processed_entry(work.scan);
   if (entry == nullptr || entry->key != key || !work.files.has_all(work.scan.derived)) return std::nullopt;
   RAYFIELD_ASSIGN(const auto totals, read_totals(work.store, work.scan));
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.store.read_derived(*entry));

@@ -18,7 +18,11 @@ struct ProcessedScan {
 };
 
 /// `known`: the layout that the scan's evidence was gathered along; `layout`: the one its maps were made with.
-std::string processed_key(const ScanWork& work, const RowLayout& known, const RowLayout& layout);
+std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& scan, const RowLayout& known,
+                          const RowLayout& layout);
+
+/// The file that says so; nothing where the scan was not processed whole.
+const tile::DerivedEntry* find_processed_entry(const tile::ScanEntry& scan);
 
 /// Keeps it among the scan's files (but for the totals, which have a file of their own).
 Result<void> keep_processed(ScanWork& work, const std::string& key, const ProcessedScan& processed);

@@ -12,6 +12,7 @@
 #include "libdensity/posts/stem_accumulator.h"
 #include "libdensity/rows/canopy_map.h"
 #include "libdensity/rows/rows.h"
+#include "libdensity/scan/lazy_stage.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/recently_used.h"
@@ -34,11 +35,12 @@ std::vector<std::size_t> tiles_near(const tile::ScanEntry& scan, const tile::Til
   return near;
 }
 
-Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry) {
+Result<TileSurvey> survey_one(ScanWork& work, const tile::TileEntry& entry, LazyStage& stage) {
   KeyBuilder key("survey", kSurveyVersion);
   key.add(option_numbers(work.options.survey)).add(entry.content_sha256());
   RAYFIELD_ASSIGN(const tile::ArraySet arrays,
                   work.files.get("survey", tile_name(entry.index), key.hex(), [&]() -> Result<tile::ArraySet> {
+                    stage.begin();
                     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
                     RAYFIELD_ASSIGN(const SurveyAccumulator sum,
                                     accumulate_tile(reader, SurveyAccumulator(work.tile_of(entry), work.options.survey),
@@ -65,12 +67,13 @@ Result<std::shared_ptr<const TileSurvey>> stored_survey(const ScanWork& work, ti
   return surveys.get(index, load, bytes_of);
 }
 
-Result<GroundTile> ground_one(ScanWork& work, tile::TileIndex index, SurveyCache& surveys) {
+Result<GroundTile> ground_one(ScanWork& work, tile::TileIndex index, SurveyCache& surveys, LazyStage& stage) {
   KeyBuilder key("ground", kGroundVersion);
   key.add(option_numbers(work.options.ground));
   const std::vector<std::size_t> near = tiles_near(work.scan, {index, work.tile_size_m()}, work.options.ground.halo_m);
   for (const std::size_t i : near) key.add(work.files.sha256("survey", tile_name(work.scan.tiles[i].index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
+    stage.begin();
     std::vector<std::shared_ptr<const TileSurvey>> held;
     std::vector<const TileSurvey*> of_near;
     for (const std::size_t i : near) {
@@ -88,13 +91,13 @@ Result<GroundTile> ground_one(ScanWork& work, tile::TileIndex index, SurveyCache
 // Surveys tile by tile; of the low histograms only those stay that fit into `surveys`.
 Result<ScanSurvey> survey_into(ScanWork& work, SurveyCache& surveys) {
   ScanSurvey all;
-  work.progress.stage(fmt::format("{}: survey", work.scan.scan_id), work.scan.ray_count, "rays");
+  LazyStage stage(work.progress, fmt::format("{}: survey", work.scan.scan_id), work.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : work.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const auto survey, surveys.get(
-                                           entry.index, [&] { return survey_one(work, entry); }, bytes_of));
+                                           entry.index, [&] { return survey_one(work, entry, stage); }, bytes_of));
     all.add(*survey);
-    work.progress.advance(entry.start_count);
+    stage.advance(entry.start_count);
   }
   return all;
 }
@@ -110,12 +113,12 @@ Result<SurveyedScan> survey_scan(ScanWork& work) {
   SurveyCache surveys(work.memory.surveys_bytes);
   SurveyedScan result{{}, GroundModel(work.tile_size_m())};
   RAYFIELD_ASSIGN(result.survey, survey_into(work, surveys));
-  work.progress.stage(fmt::format("{}: ground", work.scan.scan_id), work.scan.tiles.size(), "tiles");
+  LazyStage stage(work.progress, fmt::format("{}: ground", work.scan.scan_id), work.scan.tiles.size(), "tiles");
   std::vector<GroundTile> grounds(work.scan.tiles.size());
   RAYFIELD_CHECK(parallel_for(grounds.size(), work.threads, [&](std::size_t tile, int) -> Result<void> {
     RAYFIELD_CHECK(check_cancelled(work.progress));
-    RAYFIELD_ASSIGN(grounds[tile], ground_one(work, work.scan.tiles[tile].index, surveys));
-    work.progress.advance(1);
+    RAYFIELD_ASSIGN(grounds[tile], ground_one(work, work.scan.tiles[tile].index, surveys, stage));
+    stage.advance(1);
     return {};
   }));
   for (std::size_t tile = 0; tile < grounds.size(); ++tile)

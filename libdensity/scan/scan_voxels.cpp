@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "libdensity/scan/lazy_stage.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/voxels/voxel_arrays.h"
@@ -74,12 +75,13 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedR
                                                   std::span<const WoodCylinder> wood) {
   std::vector<tile::TileIndex> with_voxels;
   const bool own = rays.scan.scan_id == work.scan.scan_id;
-  work.progress.stage(fmt::format("{}: {}", work.scan.scan_id, own ? "voxels" : "wood of " + rays.scan.scan_id),
-                      rays.scan.ray_count, "rays");
+  LazyStage stage(work.progress,
+                  fmt::format("{}: {}", work.scan.scan_id, own ? "voxels" : "wood of " + rays.scan.scan_id),
+                  rays.scan.ray_count, "rays");
   for (const tile::TileEntry& entry : rays.scan.tiles) {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
-    work.progress.advance(entry.start_count);
+    stage.advance(entry.start_count);
     if (scene.row_segments.empty()) continue;
     RAYFIELD_ASSIGN(VoxelAccumulator empty, VoxelAccumulator::create(work.tile_of(entry), scene.row_segments,
                                                                      scene.wood, rays.voxels, rays.view));
@@ -91,6 +93,7 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedR
     if (rays.view) add_view(key, *rays.view, rays.scan);
     const std::string name = rays.prefix + tile_name(entry.index);
     RAYFIELD_CHECK(work.files.get("voxels", name, key.hex(), [&]() -> Result<tile::ArraySet> {
+      stage.begin();
       RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));
       return arrays_from_voxels(voxels);
     }));

@@ -51,6 +51,36 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   expect_refused(rayfield({"add", store(), "x.ply", "--date", "2019-02-30"}), 2, "calendar");
 }
 
+TEST_F(CommandLine, AMistypedNameIsAnsweredWithWhatWasMeant) {
+  expect_refused(rayfield({"proces", store()}), 2, "did you mean process?");
+  expect_refused(rayfield({"process", store(), "--thread", "4"}), 2, "did you mean --threads?");
+  expect_refused(rayfield({"process", "--voxel_size=0.1", store()}), 2, "did you mean --voxel-size?");
+  expect_refused(rayfield({"add", store(), "a.ply", "--no-aling", "--date", "2021-05-01"}), 2, "--no-align?");
+  expect_refused(rayfield({"process", store(), "-x"}), 2, "no such option: -x");
+  expect_refused(rayfield({"process", store(), "--set", "posts.min_contrats=2"}), 2, "posts.min_contrast?");
+  expect_refused(rayfield({"--json", "status", store()}), 2, "behind the command");
+  const auto refuse = [&](const std::string& text, const std::string& meant) {
+    expect_refused(rayfield({"process", store(), "--config", put("typo.toml", text)}), 2, meant);
+  };
+  refuse("thread = 2\n", "did you mean threads?");
+  refuse("[proces]\nthreads = 2\n", "did you mean process?");
+  refuse("[process.posts]\nmin_contrst = 2\n", "did you mean posts.min_contrast?");
+}
+
+TEST_F(CommandLine, HelpOfACommandIsThatOfItsOption) {
+  EXPECT_EQ(rayfield({"help", "process"}).out, rayfield({"process", "--help"}).out);
+  EXPECT_EQ(rayfield({"help"}).out, rayfield({"--help"}).out);
+  expect_refused(rayfield({"help", "proces"}), 2, "did you mean process?");
+  EXPECT_EQ(rayfield({"-V"}).out, rayfield({"--version"}).out);
+  EXPECT_THAT(rayfield({"-V"}).out, testing::StartsWith("rayfield "));
+}
+
+TEST_F(CommandLine, NamesOfFormatsMayBeWrittenInAnyCase) {
+  expect_refused(rayfield({"export", store(), "-o", folder_.path("maps"), "--format", "GPKG,GeoTIFF"}), 2,
+                 "not been processed");
+  expect_refused(rayfield({"export", store(), "-o", folder_.path("maps"), "--format", "docx"}), 2, "docx");
+}
+
 TEST_F(CommandLine, RefusesCoordinateSystemsThatMapsCannotBeMadeIn) {
   expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:4326"}), 2, "geographic");
   expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:999999"}), 2, "not know");
@@ -184,6 +214,9 @@ TEST_F(CommandLine, VerifyNamesTheDamagedFileAndEndsWithFour) {
   const Outcome run = rayfield({"verify", store(), "--json"});
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(nlohmann::json::parse(run.out)["damaged"].dump(), HasSubstr(damaged));
+  const Outcome quiet = rayfield({"verify", store(), "-q"});
+  expect_refused(quiet, 4, damaged);
+  EXPECT_EQ(quiet.out, "");
 }
 
 TEST_F(CommandLine, ConfigurationFilesSetOptionsAndRefuseUnknownKeys) {
