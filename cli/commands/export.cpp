@@ -1,9 +1,10 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <memory>
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/products/exchange_products.h"
 #include "cli/products/export_block.h"
 
 namespace rayfield::cli {
@@ -11,8 +12,7 @@ namespace {
 
 struct ExportArguments {
   std::string store, folder;
-  std::vector<std::string> formats = {"geotiff", "gpkg", "png"};
-  std::vector<std::string> dates;
+  std::vector<std::string> formats, profiles, dates;
   std::optional<std::uint64_t> snapshot;
 };
 
@@ -28,7 +28,9 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
     return outcome;
   }
   ExportOptions options;
-  options.formats = {arguments.formats.begin(), arguments.formats.end()};
+  if (!arguments.formats.empty() || !arguments.profiles.empty())
+    options.formats = {arguments.formats.begin(), arguments.formats.end()};
+  options.profiles = {arguments.profiles.begin(), arguments.profiles.end()};
   options.dates = arguments.dates;
   options.snapshot = arguments.snapshot;
   options.overwrite = context.options.overwrite;
@@ -53,10 +55,22 @@ void add_export_command(Commands& commands) {
   add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
   command->add_option("--snapshot", arguments->snapshot,
                       "Number of the snapshot to export, see `rayfield log` (default: the newest)");
-  command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
+  command
+      ->add_option(
+          "--format", arguments->formats,
+          fmt::format("{} (default: geotiff, gpkg, png; none with --profile)", fmt::join(export_formats(), ", ")))
+      ->type_name("FORMAT[,FORMAT...]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}));
+      ->transform(CLI::IsMember(export_formats(), CLI::ignore_case).description(""));
+  command
+      ->add_option(
+          "--profile", arguments->profiles,
+          fmt::format("Zipped shapefiles after the rules of a farm system: {}", fmt::join(profile_names(), ", ")))
+      ->type_name("SYSTEM[,SYSTEM...]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(CLI::IsMember(profile_names(), CLI::ignore_case).description(""));
 }
 
 }  // namespace rayfield::cli

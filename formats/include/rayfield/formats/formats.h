@@ -22,7 +22,8 @@
 
 // Products for GIS and for people (docs/products.md)
 #include "rayfield/formats/chart.h"           // dates of a block as charts, PNG and SVG
-#include "rayfield/formats/exchange.h"        // GeoJSON and CSV
+#include "rayfield/formats/exchange.h"        // panels as GeoJSON, KML, FlatGeobuf, GeoParquet, shapefile and CSV
+#include "rayfield/formats/farm_profile.h"    // what farm management systems take
 #include "rayfield/formats/geopackage.h"      // a block with all its dates as one GeoPackage
 #include "rayfield/formats/geotiff.h"         // rasters as Cloud Optimised GeoTIFF, sections in a local frame
 #include "rayfield/formats/picture.h"         // plan views, side views and end-on sections as PNG
