@@ -24,9 +24,15 @@ struct ZoneArguments {
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
 
 ordered_json map_json(const ZoneMap& map) {
-  ordered_json json = {{"block", map.block},       {"scan_id", map.scan.scan_id}, {"date", map.scan.scan_date},
-                       {"snapshot", map.snapshot}, {"value", map.value},          {"unit", map.unit},
-                       {"area_m2", map.area_m2},   {"explained", map.explained},  {"zones", ordered_json::array()}};
+  ordered_json json = {{"block", map.block},
+                       {"scan_id", map.scan.scan_id},
+                       {"date", map.scan.scan_date},
+                       {"snapshot", map.snapshot},
+                       {"value", map.value},
+                       {"unit", map.unit},
+                       {"area_m2", map.area_m2},
+                       {"explained", number(map.explained)},
+                       {"zones", ordered_json::array()}};
   for (const ManagementZone& zone : map.zones)
     json["zones"].push_back({{"zone", zone.zone},
                              {"parts", zone.parts.size()},
@@ -42,8 +48,9 @@ ordered_json map_json(const ZoneMap& map) {
 
 std::string map_text(const ZoneMap& map) {
   std::string text =
-      fmt::format("{}, {}: {} zones of {}, {:.3f} ha; they explain {:.0f} % of its variance in plan\n", map.block,
-                  map.scan.scan_id, map.zones.size(), map.meaning, map.area_m2 / 1e4, 100 * map.explained);
+      fmt::format("{}, {}: {} of {}, {:.3f} ha; {:.0f} % of the variance lies between zones\n", map.block,
+                  map.scan.scan_id, map.zones.size() == 1 ? "1 zone" : fmt::format("{} zones", map.zones.size()),
+                  map.meaning, map.area_m2 / 1e4, 100 * map.explained);
   for (const ManagementZone& zone : map.zones)
     text +=
         fmt::format("  zone {}  {:.3f} ha in {}  mean {:.2f} {}  ({:.2f} … {:.2f})\n", zone.zone, zone.area_m2 / 1e4,

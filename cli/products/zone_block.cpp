@@ -54,15 +54,16 @@ Result<ZoneMap> make_zones(const tile::Store& store, const tile::Snapshot& snaps
   ZoneMap map;
   map.block = block.block, map.farm = block.farm, map.variety = block.variety, map.crs = block.crs;
   map.snapshot = block.snapshot, map.scan = block.scans.front().scan;
-  RAYFIELD_ASSIGN(const auto samples, take_samples(store, snapshot, block, request, map));
+  RAYFIELD_ASSIGN(const auto all_samples, take_samples(store, snapshot, block, request, map));
   const auto bands = density::row_bands(block.rows, map.scan.scan_date);
+  const std::vector<density::ZoneSample> samples = density::samples_on(bands, all_samples);
   double margin_m = 2 * request.options.cell_m;
   for (const RowProduct& row : block.rows) margin_m = std::max(margin_m, row.spacing_m);
   RAYFIELD_ASSIGN(const density::ValueSurface surface,
                   density::value_surface(samples, margin_m + 2 * request.options.cell_m, request.options));
-  map.explained = surface.explained;
-  RAYFIELD_ASSIGN(map.zones, formats::draw_zones(surface.values, surface.breaks, bands, request.options.min_zone_m2));
-  density::measure_zones(samples, map.zones);
+  RAYFIELD_ASSIGN(map.zones, formats::draw_zones(surface.values, surface.breaks, bands,
+                                                 density::smallest_zone_m2(bands, request.options)));
+  map.explained = density::measure_zones(samples, map.zones);
   for (const ManagementZone& zone : map.zones) map.area_m2 += zone.area_m2;
   return map;
 }

@@ -134,7 +134,10 @@ Result<std::vector<ManagementZone>> join(const std::vector<ZoneFace>& faces, std
     const Geometry joined(all.UnionCascaded());
     if (joined == nullptr) return gdal.failure(kWhat, "");
     const auto i = static_cast<std::size_t>(z);
-    ManagementZone zone{z + 1, z == 0 ? -kOpen : breaks[i - 1], i == breaks.size() ? kOpen : breaks[i], {}};
+    ManagementZone zone{static_cast<int>(zones.size()) + 1,
+                        z == 0 ? -kOpen : breaks[i - 1],
+                        i == breaks.size() ? kOpen : breaks[i],
+                        {}};
     if (wkbFlatten(joined->getGeometryType()) == wkbPolygon)
       add_part(*joined->toPolygon(), zone);
     else

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <ogrsf_frmts.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -56,22 +55,17 @@ Result<std::map<int, double>> read_lines(OGRLayer& layer, const RateUnit& unit, 
   return rates;
 }
 
-/// Rates by zone number; 0 for numbers that the map leaves out, whose parts were all too small.
-Result<std::vector<double>> by_zone(const std::map<int, double>& rates, const std::vector<ManagementZone>& zones,
-                                    const std::string& path) {
-  std::vector<int> numbers;
-  for (const ManagementZone& zone : zones) numbers.push_back(zone.zone);
-  const int last = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
-  std::vector<double> all(static_cast<std::size_t>(last), 0);
-  for (const auto& [number, rate] : rates) {
-    const bool known =
-        std::any_of(zones.begin(), zones.end(), [n = number](const auto& zone) { return zone.zone == n; });
-    if (!known)
-      return refused(path, fmt::format("the block has no zone {}, it has {}", number, fmt::join(numbers, ", ")));
-    all[static_cast<std::size_t>(number - 1)] = rate;
+/// Rates in the order of the zones, whose numbers run from 1.
+Result<std::vector<double>> by_zone(const std::map<int, double>& rates, std::size_t zones, const std::string& path) {
+  for (const auto& [number, rate] : rates)
+    if (number < 1 || number > static_cast<int>(zones))
+      return refused(path, fmt::format("there is no zone {}: the block has zones 1 to {}", number, zones));
+  std::vector<double> all;
+  for (int number = 1; number <= static_cast<int>(zones); ++number) {
+    const auto found = rates.find(number);
+    if (found == rates.end()) return refused(path, fmt::format("zone {} has no rate", number));
+    all.push_back(found->second);
   }
-  for (const ManagementZone& zone : zones)
-    if (rates.count(zone.zone) == 0) return refused(path, fmt::format("zone {} has no rate", zone.zone));
   return all;
 }
 
@@ -109,7 +103,7 @@ Result<Prescription> read_rates(const std::string& path, const std::string& unit
     if (product.empty()) return fail(ErrorCode::usage, kWhat, path, "no product given", "name it with --product");
     RAYFIELD_ASSIGN(const auto rates, read_table(path, *known));
     Prescription prescription{product, std::string(known->name), {}};
-    RAYFIELD_ASSIGN(prescription.rates, by_zone(rates, zones, path));
+    RAYFIELD_ASSIGN(prescription.rates, by_zone(rates, zones.size(), path));
     return prescription;
   });
 }

@@ -56,7 +56,8 @@ class Deviations {
 
 // Fisher's recursion: the best k classes of the first n bins are the best k − 1 classes of the first j and one class of
 // the rest, for the best j.
-Result<NaturalBreaks> natural_breaks(std::span<const double> values, std::span<const double> weights, int classes) {
+Result<std::vector<double>> natural_breaks(std::span<const double> values, std::span<const double> weights,
+                                           int classes) {
   const std::vector<Bin> bins = values.empty() ? std::vector<Bin>() : binned(values, weights);
   const auto count = static_cast<std::size_t>(classes), n = bins.size();
   if (n < count)
@@ -74,16 +75,14 @@ Result<NaturalBreaks> natural_breaks(std::span<const double> values, std::span<c
           next[end] = sum, begins[k][end] = begin;
     best = std::move(next);
   }
-  NaturalBreaks result;
-  const double all = deviations(0, n);
-  result.explained = all > 0 ? 1 - best[n] / all : 0;
+  std::vector<double> breaks;
   std::size_t end = n;
   for (std::size_t k = count; k-- > 1;) {
     end = begins[k][end];
-    result.breaks.push_back((bins[end - 1].high + bins[end].low) / 2);
+    breaks.push_back((bins[end - 1].high + bins[end].low) / 2);
   }
-  std::reverse(result.breaks.begin(), result.breaks.end());
-  return result;
+  std::reverse(breaks.begin(), breaks.end());
+  return breaks;
 }
 
 }  // namespace rayfield::density

@@ -139,6 +139,31 @@ std::vector<std::vector<Eigen::Vector2d>> row_bands(std::span<const RowProduct> 
   return bands;
 }
 
+double smallest_zone_m2(std::span<const std::vector<Eigen::Vector2d>> bands, const ZoneOptions& options) {
+  double area = 0;
+  for (const std::vector<Eigen::Vector2d>& band : bands)
+    for (std::size_t i = 0; i + 1 < band.size(); ++i) {
+      const Eigen::Vector2d a = band[i] - band[0], b = band[i + 1] - band[0];
+      area += (a.x() * b.y() - a.y() * b.x()) / 2;
+    }
+  return std::min(options.min_zone_m2, area / (4 * options.classes));
+}
+
+std::vector<ZoneSample> samples_on(std::span<const std::vector<Eigen::Vector2d>> bands,
+                                   std::span<const ZoneSample> samples) {
+  std::vector<Eigen::AlignedBox<double, 2>> boxes(bands.size());
+  for (std::size_t i = 0; i < bands.size(); ++i)
+    for (const Eigen::Vector2d& p : bands[i]) boxes[i].extend(p);
+  std::vector<ZoneSample> kept;
+  for (const ZoneSample& sample : samples) {
+    bool on = false;
+    for (std::size_t i = 0; i < bands.size() && !on; ++i)
+      on = boxes[i].contains(sample.position) && inside(bands[i], sample.position);
+    if (on) kept.push_back(sample);
+  }
+  return kept;
+}
+
 Result<ValueSurface> value_surface(std::span<const ZoneSample> samples, double margin_m, const ZoneOptions& options) {
   RAYFIELD_CHECK(options.validate());
   if (samples.empty())
@@ -152,29 +177,37 @@ Result<ValueSurface> value_surface(std::span<const ZoneSample> samples, double m
     values.push_back(surface.values.at(static_cast<int>(place.x()), static_cast<int>(place.y())));
     weights.push_back(sample.weight);
   }
-  RAYFIELD_ASSIGN(NaturalBreaks cut, natural_breaks(values, weights, options.classes));
-  surface.breaks = std::move(cut.breaks), surface.explained = cut.explained;
+  RAYFIELD_ASSIGN(surface.breaks, natural_breaks(values, weights, options.classes));
   return surface;
 }
 
-void measure_zones(std::span<const ZoneSample> samples, std::vector<ManagementZone>& zones) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
+double measure_zones(std::span<const ZoneSample> samples, std::vector<ManagementZone>& zones) {
+  constexpr double kNone = std::numeric_limits<double>::infinity(), kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> sums(zones.size(), 0);
+  double weight = 0, sum = 0, squares = 0;
+  const double about = samples.empty() ? 0 : samples.front().value;  // so that squares do not cancel
   for (ManagementZone& zone : zones) zone.measured = 0, zone.min = kNone, zone.max = -kNone;
   for (const ZoneSample& sample : samples) {
     const auto found = std::find_if(zones.begin(), zones.end(),
                                     [&](const ManagementZone& zone) { return inside(zone, sample.position); });
-    if (found == zones.end()) continue;  // beyond the block's rows, as cells of a map are
-    sums[static_cast<std::size_t>(found - zones.begin())] += sample.weight * sample.value;
+    if (found == zones.end()) continue;  // on the border of the outline
+    const double v = sample.value - about;
+    sums[static_cast<std::size_t>(found - zones.begin())] += sample.weight * v;
+    weight += sample.weight, sum += sample.weight * v, squares += sample.weight * v * v;
     found->measured += sample.weight;
     found->min = std::min(found->min, sample.value), found->max = std::max(found->max, sample.value);
   }
+  double between = 0;
   for (std::size_t i = 0; i < zones.size(); ++i) {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     ManagementZone& zone = zones[i];
-    zone.mean = zone.measured > 0 ? sums[i] / zone.measured : kUnknown;
-    if (!(zone.measured > 0)) zone.min = zone.max = kUnknown;
+    zone.mean = zone.measured > 0 ? about + sums[i] / zone.measured : kUnknown;
+    if (zone.measured > 0)
+      between += sums[i] * sums[i] / zone.measured;
+    else
+      zone.min = zone.max = kUnknown;
   }
+  const double all = squares - sum * sum / weight;
+  return all > 0 ? (between - sum * sum / weight) / all : kUnknown;
 }
 
 }  // namespace rayfield::density

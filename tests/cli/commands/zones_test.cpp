@@ -152,7 +152,7 @@ TEST_F(Exchange, APrescriptionNeedsARateForEveryZone) {
   const Outcome unknown = zones(out.path("maps"), options);
   EXPECT_EQ(unknown.exit_code, 3);
   EXPECT_EQ(unknown.error_lines(), 1);
-  EXPECT_THAT(unknown.err, HasSubstr("no zone 7"));
+  EXPECT_THAT(unknown.err, HasSubstr("there is no zone 7"));
   EXPECT_EQ(zones(out.path("maps"), {"--rates", rates}).exit_code, 2) << "a unit and a product are missing";
   EXPECT_EQ(content_of(out.path("maps")), before);
 }

@@ -35,7 +35,7 @@ TEST(Rates, AreReadFromCommasSemicolonsAndTabs) {
 
 TEST(Rates, WhatIsMissingUnknownOrNoRateIsRefused) {
   expect_refused("zone,rate\n1,150\n2,225\n", "zone 3 has no rate");
-  expect_refused("zone,rate\n1,1\n2,2\n3,3\n4,4\n", "no zone 4");
+  expect_refused("zone,rate\n1,1\n2,2\n3,3\n4,4\n", "zone 4: the block has zones 1 to 3");
   expect_refused("zone,rate\n1,1\n2,2\n3,3\n3,4\n", "zone 3 again");
   expect_refused("zone,rate\n1,1\n2,lots\n3,3\n", "'lots'");
   expect_refused("zone,rate\n1,1\n2,2,5\n3,nan\n", "'nan'");

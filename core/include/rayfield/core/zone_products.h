@@ -19,7 +19,7 @@ struct ZonePart {
 
 /// The part of a block whose smoothed values lie in one class. Zones of a block touch, and do not overlap.
 struct ManagementZone {
-  int zone = 0;              ///< from 1, the lowest values first
+  int zone = 0;              ///< from 1 without gaps, the lowest values first
   double low = 0, high = 0;  ///< bounds of the class; −∞ and ∞ at both ends
   std::vector<ZonePart> parts;
   double area_m2 = 0;
@@ -33,8 +33,8 @@ struct ZoneMap {
   std::uint64_t snapshot = 0;
   ScanProduct scan;
   std::string value, unit, meaning;  ///< "leaf_area_per_m", "m2/m"
-  double explained = 0;              ///< share of the variance of the smoothed values that lies between zones, 0 … 1
-  double area_m2 = 0;                ///< of the block
+  double explained = 0;  ///< share of the variance of the values as measured that lies between zones, 0 … 1
+  double area_m2 = 0;    ///< of the block
   std::vector<ManagementZone> zones;
 };
 

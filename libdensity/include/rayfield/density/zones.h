@@ -26,8 +26,10 @@ struct ZoneOptions {
     v.number("smoothing_m", o.smoothing_m, {0.5, 50},
              "Standard deviation of the Gaussian that smooths values in plan; larger = fewer and rounder zones");
     v.number("cell_m", o.cell_m, {0.2, 10}, "Cells of the smoothed surface that borders are drawn on");
-    v.number("min_zone_m2", o.min_zone_m2, {0, 1e6},
-             "Smaller parts join the neighbour with which they share the longest border");
+    v.number(
+        "min_zone_m2", o.min_zone_m2, {0, 1e6},
+        "Smaller parts join the neighbour with which they share the longest border; on small blocks a quarter of a "
+        "zone's mean area, if that is less");
   }
   Result<void> validate() const;
 };
@@ -49,11 +51,17 @@ std::vector<ZoneSample> map_samples(const Grid2<float>& map, double cell_m);
 /// (a single row: 1.25 m). One closed ring per row, counter-clockwise.
 std::vector<std::vector<Eigen::Vector2d>> row_bands(std::span<const RowProduct> rows, const std::string& date);
 
+/// min_zone_m2, or on small blocks a quarter of the mean area of a zone.
+double smallest_zone_m2(std::span<const std::vector<Eigen::Vector2d>> bands, const ZoneOptions& options);
+
+/// The samples that lie on such ground: what a map shows of headlands would pull the block's edges to zero.
+std::vector<ZoneSample> samples_on(std::span<const std::vector<Eigen::Vector2d>> bands,
+                                   std::span<const ZoneSample> samples);
+
 /// Values smoothed in plan, and where to cut them.
 struct ValueSurface {
   Grid2<double> values;        ///< every cell has one, also beyond the samples
   std::vector<double> breaks;  ///< between classes, rising
-  double explained = 0;        ///< share of the variance of the smoothed values that lies between classes
 };
 
 /// Smooths samples with a Gaussian (weighted means, so that borders pull nowhere) over the samples' extent and
@@ -63,7 +71,8 @@ struct ValueSurface {
 /// Errors: usage (options, more than 50 million cells), bad_input (fewer different values than classes).
 Result<ValueSurface> value_surface(std::span<const ZoneSample> samples, double margin_m, const ZoneOptions& options);
 
-/// Fills mean, min, max and `measured` of zones from the samples that lie in them.
-void measure_zones(std::span<const ZoneSample> samples, std::vector<ManagementZone>& zones);
+/// Fills mean, min, max and `measured` of zones from the samples that lie in them, and returns the share of the
+/// samples' variance that lies between zones, 0 … 1 (NaN where there is none).
+double measure_zones(std::span<const ZoneSample> samples, std::vector<ManagementZone>& zones);
 
 }  // namespace rayfield::density
