@@ -13,6 +13,7 @@ void add_all_commands(Commands& commands) {
   add_update_command(commands);
   add_compare_command(commands);
   add_report_command(commands);
+  add_zones_command(commands);
   add_registry_command(commands);
   add_info_command(commands);
   add_options_command(commands);

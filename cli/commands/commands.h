@@ -15,6 +15,7 @@ void add_process_command(Commands& commands);
 void add_export_command(Commands& commands);
 void add_compare_command(Commands& commands);
 void add_report_command(Commands& commands);
+void add_zones_command(Commands& commands);
 void add_update_command(Commands& commands);
 void add_remove_command(Commands& commands);
 void add_revert_command(Commands& commands);

@@ -1,9 +1,10 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <memory>
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/products/exchange_products.h"
 #include "cli/products/export_block.h"
 #include "cli/products/export_needs.h"
 
@@ -12,8 +13,7 @@ namespace {
 
 struct ExportArguments {
   std::string store, folder;
-  std::vector<std::string> formats = {"geotiff", "gpkg", "png"};
-  std::vector<std::string> dates;
+  std::vector<std::string> formats, profiles, dates;
   std::optional<std::uint64_t> snapshot;
 };
 
@@ -25,7 +25,9 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
                   {"dry_run", context.options.dry_run},
                   {"files", nlohmann::ordered_json::array()}};
   ExportOptions options;
-  options.formats = {arguments.formats.begin(), arguments.formats.end()};
+  if (!arguments.formats.empty() || !arguments.profiles.empty())
+    options.formats = {arguments.formats.begin(), arguments.formats.end()};
+  options.profiles = {arguments.profiles.begin(), arguments.profiles.end()};
   options.dates = arguments.dates;
   options.snapshot = arguments.snapshot;
   options.overwrite = context.options.overwrite;
@@ -56,10 +58,14 @@ void add_export_command(Commands& commands) {
   add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
   command->add_option("--snapshot", arguments->snapshot,
                       "Number of the snapshot to export, see `rayfield log` (default: the newest)");
-  command->add_option("--format", arguments->formats, "geotiff, gpkg, png, geojson, csv (default: the first three)")
+  command->add_option("--format", arguments->formats, "Formats (default: geotiff, gpkg, png; none with --profile)")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->transform(CLI::IsMember({"geotiff", "gpkg", "png", "geojson", "csv"}, CLI::ignore_case));
+      ->transform(CLI::IsMember(export_formats(), CLI::ignore_case));
+  command->add_option("--profile", arguments->profiles, "Zipped shapefiles after the rules of farm systems")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(CLI::IsMember(profile_names(), CLI::ignore_case));
 }
 
 }  // namespace rayfield::cli

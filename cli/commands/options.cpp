@@ -8,6 +8,7 @@
 #include "rayfield/core/option_fields.h"
 #include "rayfield/density/comparison.h"
 #include "rayfield/density/process.h"
+#include "rayfield/density/zones.h"
 #include "rayfield/slam/slam.h"
 
 namespace rayfield::cli {
@@ -27,7 +28,8 @@ Result<Outcome> run_options(const std::string& wanted) {
       {"slam", describe_options<slam::SlamOptions>()},
       {"add", describe_options<align::AlignOptions>()},
       {"compare", describe_options<density::ComparisonOptions>()},
-      {"report", describe_options<ReportSettings>()}};
+      {"report", describe_options<ReportSettings>()},
+      {"zones", describe_options<density::ZoneOptions>()}};
   Outcome outcome;
   outcome.data = nlohmann::ordered_json::object();
   for (const auto& [command, fields] : commands) {
@@ -47,8 +49,8 @@ void add_options_command(Commands& commands) {
   CLI::App* command =
       commands.add("options", "List the options that --set and configuration files take, with defaults and ranges",
                    "rayfield options process", [wanted](Context&) { return run_options(*wanted); });
-  command->add_option("COMMAND", *wanted, "process, slam, add, compare or report (default: all)")
-      ->transform(CLI::IsMember({"process", "slam", "add", "compare", "report"}, CLI::ignore_case));
+  command->add_option("COMMAND", *wanted, "process, slam, add, compare, report or zones (default: all)")
+      ->transform(CLI::IsMember({"process", "slam", "add", "compare", "report", "zones"}, CLI::ignore_case));
 }
 
 }  // namespace rayfield::cli

@@ -27,8 +27,8 @@ std::vector<std::string> choices_of(const std::string& type) {
 }
 
 bool is_path(const std::string& value) {
-  constexpr std::array<std::string_view, 8> kNoPaths = {"N",     "SIZE", "KEY=VALUE", "DATE[,DATE...]",
-                                                        "FLOAT", "INT",  "UINT",      "COMMAND"};
+  constexpr std::array<std::string_view, 11> kNoPaths = {
+      "N", "SIZE", "KEY=VALUE", "DATE", "DATE[,DATE...]", "FLOAT", "INT", "UINT", "COMMAND", "UNIT", "NAME"};
   return std::find(kNoPaths.begin(), kNoPaths.end(), value) == kNoPaths.end();
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "cli/products/exchange_products.h"
 #include "cli/products/export_folder.h"
 #include "rayfield/core/sha256.h"
 #include "rayfield/density/load.h"
@@ -69,10 +70,11 @@ std::string overlay_source(const BlockProducts& block) {
 
 // The whole export: equal ones are of one snapshot, and of the same scans in the same formats.
 std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::string>& scan_ids,
-                       const std::set<std::string>& formats) {
+                       const ExportOptions& options) {
   Source source("export");
   source.add(std::to_string(snapshot.number)).add(layout_source(snapshot));
-  for (const std::string& format : formats) source.add(format);
+  for (const std::string& format : options.formats) source.add(format);
+  for (const std::string& profile : options.profiles) source.add("profile " + profile);
   for (const std::string& id : scan_ids) {
     source.add(id);
     for (const tile::DerivedEntry& entry : snapshot.find_scan(id)->derived)
@@ -105,15 +107,20 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
         options.formats.count("png") > 0 && name == "plan_density" &&
         folder.wants(stem + ".png",
                      Source("png").add(scan.name).add(scan.date).add(layout).add(overlay).add(values).hex());
-    if (!tiff && !png) continue;
-    if (tiff) {
+    const bool plain =
+        options.formats.count("geotiff-plain") > 0 &&
+        folder.wants(stem + "_plain.tif", Source("geotiff-plain").add(block.crs).add(layout).add(values).hex());
+    if (!tiff && !plain && !png) continue;
+    if (tiff || plain) {
       RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
       formats::GeoTiffOptions write;
       write.metadata = {{"scan_id", scan.scan_id},
                         {"scan_date", scan.date},
                         {"snapshot", std::to_string(block.snapshot)},
                         {"source_sha256", values}};
-      RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + ".tif"), write));
+      if (tiff) RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + ".tif"), write));
+      write.profile = formats::GeoTiffOptions::Profile::plain;
+      if (plain) RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + "_plain.tif"), write));
     }
     if (png) {
       RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
@@ -155,22 +162,12 @@ Result<void> export_sections(const tile::Store& store, const tile::Snapshot& sna
 Result<void> export_tables(const BlockProducts& block, const std::string& content,
                            const std::optional<std::string>& carry_over_from, const ExportOptions& options,
                            ExportFolder& folder) {
-  const auto wants = [&](const char* format, const std::string& name) {
-    return options.formats.count(format) > 0 && folder.wants(name, content);
-  };
-  if (const std::string name = block.block + ".gpkg"; wants("gpkg", name)) {
+  if (const std::string name = block.block + ".gpkg";
+      options.formats.count("gpkg") > 0 && folder.wants(name, content)) {
     RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name)));
     if (carry_over_from) RAYFIELD_CHECK(formats::carry_over(*carry_over_from, folder.path(name)));
   }
-  if (const std::string name = block.block + "_panels.csv"; wants("csv", name))
-    RAYFIELD_CHECK(formats::write_panels_csv(block, folder.path(name)));
-  if (const std::string name = block.block + "_row_metres.csv"; wants("csv", name))
-    RAYFIELD_CHECK(formats::write_row_metres_csv(block, folder.path(name)));
-  for (std::size_t i = 0; i < block.scans.size(); ++i)
-    if (const std::string name = fmt::format("{}_{}_panels.geojson", block.block, block.scans[i].scan.scan_id);
-        wants("geojson", name))
-      RAYFIELD_CHECK(formats::write_panels_geojson(block, i, folder.path(name)));
-  return {};
+  return export_exchange(block, content, options, folder);
 }
 
 // Whether the GeoPackage that is there may be replaced, and if it holds something that users added: its path.
@@ -193,11 +190,12 @@ Result<std::optional<std::string>> additions_to_keep(const tile::Store& store, c
 
 Result<ExportReport> export_block(const tile::Store& store, const fs::path& folder, const ExportOptions& options,
                                   Progress& progress) {
+  RAYFIELD_CHECK(check_exchange(options));
   auto pinned = options.snapshot ? store.snapshot(*options.snapshot) : store.latest();
   if (!pinned) return tl::make_unexpected(std::move(pinned).error());
   const tile::Snapshot& snapshot = *pinned;
   RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(snapshot, options.dates));
-  const std::string content = content_of(snapshot, scan_ids, options.formats);
+  const std::string content = content_of(snapshot, scan_ids, options);
   RAYFIELD_ASSIGN(ExportFolder output, ExportFolder::open(folder, store.block_name(), options.keep_unchanged));
   if (output.holds(content)) return ExportReport{snapshot.number, output.products(), 0};
   RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, scan_ids));

@@ -16,6 +16,7 @@ namespace rayfield::cli {
 /// What `rayfield export` writes.
 struct ExportOptions {
   std::set<std::string> formats = {"geotiff", "gpkg", "png"};
+  std::set<std::string> profiles;         ///< farm systems for which shapefiles are written
   std::vector<std::string> dates;         ///< scan ids or dates; empty = all
   std::optional<std::uint64_t> snapshot;  ///< number; the newest if absent
   bool keep_unchanged = false;            ///< leave products in the folder that would be made of the same

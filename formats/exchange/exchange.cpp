@@ -1,16 +1,15 @@
 #include "rayfield/formats/exchange.h"
 
 #include <fmt/format.h>
-#include <ogr_spatialref.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <memory>
 #include <vector>
 
-#include "formats/gis/gdal_session.h"
+#include "formats/exchange/panel_table.h"
+#include "formats/exchange/shapefile_zip.h"
 #include "formats/gis/measured_columns.h"
+#include "formats/gis/to_wgs84.h"
+#include "formats/gis/vector_file.h"
 #include "formats/io/guard.h"
 #include "formats/io/staged_output.h"
 #include "formats/io/text_escape.h"
@@ -18,84 +17,57 @@
 namespace rayfield::formats {
 namespace {
 
-constexpr std::string_view kGeoJsonWhat = "cannot write GeoJSON", kCsvWhat = "cannot write CSV";
+constexpr std::string_view kShapefileWhat = "cannot write shapefile", kCsvWhat = "cannot write CSV";
 
-double signed_area(const std::vector<Eigen::Vector2d>& ring) {
-  double twice = 0;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Eigen::Vector2d a = ring[i] - ring[0], b = ring[(i + 1) % ring.size()] - ring[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
-struct TransformCloser {
-  void operator()(OGRCoordinateTransformation* transform) const { OGRCoordinateTransformation::DestroyCT(transform); }
+struct FormatText {
+  VectorFormat format;
+  std::string_view what;
 };
-using TransformPtr = std::unique_ptr<OGRCoordinateTransformation, TransformCloser>;
-
-/// The GeoJSON geometry of an outline: closed, counter-clockwise, longitude first.
-Result<std::string> polygon(const PanelProduct& panel, OGRCoordinateTransformation& to_wgs84, const std::string& path) {
-  std::vector<Eigen::Vector2d> ring = panel.outline;
-  if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-  if (ring.size() < 3) return std::string("null");
-  if (signed_area(ring) < 0) std::reverse(ring.begin(), ring.end());
-  ring.push_back(ring.front());
-  std::string text;
-  for (const Eigen::Vector2d& p : ring) {
-    double x = p.x(), y = p.y();
-    if (!p.allFinite() || !to_wgs84.Transform(1, &x, &y) || !std::isfinite(x) || !std::isfinite(y)) {
-      return fail(
-          ErrorCode::internal, kGeoJsonWhat, path,
-          fmt::format("panel {}/{} has a corner without longitude and latitude", panel.row_number, panel.panel_number));
-    }
-    text += fmt::format("{}[{:.9f},{:.9f}]", text.empty() ? "" : ",", x, y);
+FormatText format_text(PanelFormat format, std::uint64_t snapshot) {
+  switch (format) {
+    case PanelFormat::geojson:
+      return {geojson_format(snapshot, "panel_uid"), "cannot write GeoJSON"};
+    case PanelFormat::kml:
+      return {kml_format(), "cannot write KML"};
+    case PanelFormat::flatgeobuf:
+      return {flatgeobuf_format(), "cannot write FlatGeobuf"};
+    case PanelFormat::geoparquet:
+      break;
   }
-  return fmt::format("{{\"type\":\"Polygon\",\"coordinates\":[[{}]]}}", text);
+  return {geoparquet_format(), "cannot write GeoParquet"};
 }
 
-std::string properties(const PanelProduct& panel, const PanelValue* value) {
-  std::string text = fmt::format("\"panel_uid\":{},\"row_number\":{},\"panel_number\":{},\"length_m\":{}",
-                                 json_string(panel.panel_uid), panel.row_number, panel.panel_number,
-                                 number_text(panel.length_m, "null"));
-  if (value == nullptr) return text;
-  text += fmt::format(",\"scan_id\":{},\"scan_date\":{}", json_string(value->scan_id), json_string(value->scan_date));
-  for (const MeasuredColumn& column : kMeasuredColumns)
-    text += fmt::format(",\"{}\":{}", column.name, number_text(value->*column.value, "null"));
-  return text + fmt::format(",\"ray_count\":{},\"wood_scan_id\":{}", value->ray_count,
-                            value->wood_scan_id.empty() ? "null" : json_string(value->wood_scan_id));
+// GDAL's CSV driver writes 15 digits, which do not read back as the same number: these files are written as text.
+
+std::string place_fields(const BlockProducts& block, const std::string& longitude_latitude) {
+  return fmt::format(",{},{},{},{}\n", csv_escape(block.block), csv_escape(block.farm), csv_escape(block.variety),
+                     longitude_latitude);
+}
+std::string place_text(const Eigen::Vector2d& longitude_latitude) {
+  return fmt::format("{:.9f},{:.9f}", longitude_latitude.x(), longitude_latitude.y());
 }
 
-Result<std::string> geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
-  if (scan_index >= block.scans.size()) {
-    return fail(ErrorCode::usage, kGeoJsonWhat, path,
-                fmt::format("scan {} of {} was asked for", scan_index + 1, block.scans.size()));
-  }
-  RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, kGeoJsonWhat, path));
-  RAYFIELD_ASSIGN(OGRSpatialReference wgs84, parse_crs("EPSG:4326", kGeoJsonWhat, path));
-  const TransformPtr to_wgs84(OGRCreateCoordinateTransformation(&crs, &wgs84));
-  if (to_wgs84 == nullptr) {
-    return fail(ErrorCode::usage, kGeoJsonWhat, path, "no way from " + block.crs + " to longitude and latitude");
-  }
-  std::map<std::string, const PanelValue*> values;
-  for (const PanelValue& value : block.scans[scan_index].panel_values) values[value.panel_uid] = &value;
-  std::string features;
+Result<std::map<std::string, std::string>> panel_centres(const BlockProducts& block, const ToWgs84& to_wgs84) {
+  std::map<std::string, std::string> centres;
   for (const PanelProduct& panel : block.panels) {
-    RAYFIELD_ASSIGN(const std::string geometry, polygon(panel, *to_wgs84, path));
-    const auto found = values.find(panel.panel_uid);
-    features += fmt::format("{}\n{{\"type\":\"Feature\",\"id\":{},\"geometry\":{},\"properties\":{{{}}}}}",
-                            features.empty() ? "" : ",", json_string(panel.panel_uid), geometry,
-                            properties(panel, found == values.end() ? nullptr : found->second));
+    OGRPoint centre;
+    const OGRPolygon outline = ring_polygon(panel.outline);
+    std::string& text = centres[panel.panel_uid] = ",";
+    if (outline.IsEmpty() || outline.Centroid(&centre) != OGRERR_NONE) continue;
+    RAYFIELD_ASSIGN(const Eigen::Vector2d place,
+                    to_wgs84.point({centre.getX(), centre.getY()},
+                                   fmt::format("panel {}/{}", panel.row_number, panel.panel_number)));
+    text = place_text(place);
   }
-  // A member of our own beside RFC 7946's, which its section 6.1 allows.
-  return fmt::format("{{\"type\":\"FeatureCollection\",\"snapshot\":{},\"features\":[{}\n]}}\n", block.snapshot,
-                     features);
+  return centres;
 }
 
-std::string panels_csv(const BlockProducts& block) {
+Result<std::string> panels_csv(const BlockProducts& block, const std::string& path) {
+  RAYFIELD_ASSIGN(const ToWgs84 to_wgs84, ToWgs84::create(block.crs, kCsvWhat, path));
+  RAYFIELD_ASSIGN(const auto centres, panel_centres(block, to_wgs84));
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
   for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
-  text += ",ray_count,wood_scan_id\n";
+  text += ",ray_count,wood_scan_id,block,farm,variety,longitude,latitude\n";
   std::map<std::string, const PanelProduct*> panels;
   for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
   for (const ScanResults& scan : block.scans) {
@@ -107,41 +79,85 @@ std::string panels_csv(const BlockProducts& block) {
                           number_text(panel.length_m, ""), csv_escape(value.scan_id), csv_escape(value.scan_date));
       for (const MeasuredColumn& column : kMeasuredColumns)
         text.append(",").append(number_text(value.*column.value, ""));
-      text += fmt::format(",{},{}\n", value.ray_count, csv_escape(value.wood_scan_id));
+      text += fmt::format(",{},{}", value.ray_count, csv_escape(value.wood_scan_id));
+      text += place_fields(block, centres.at(value.panel_uid));
     }
   }
   return text;
 }
 
-std::string row_metres_csv(const BlockProducts& block) {
-  std::string text = "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m\n";
+Result<std::string> row_metres_csv(const BlockProducts& block, const std::string& path) {
+  RAYFIELD_ASSIGN(const ToWgs84 to_wgs84, ToWgs84::create(block.crs, kCsvWhat, path));
+  std::string text =
+      "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,block,farm,"
+      "variety,longitude,latitude\n";
   for (const ScanResults& scan : block.scans) {
     for (const RowMetreProduct& metre : scan.row_metres) {
-      text += fmt::format("{},{},{},{},{},{},{},{}\n", metre.row_number, number_text(metre.chainage_m, ""),
+      RAYFIELD_ASSIGN(const Eigen::Vector2d place,
+                      to_wgs84.point(metre.position, fmt::format("a half metre of row {}", metre.row_number)));
+      text += fmt::format("{},{},{},{},{},{},{},{}", metre.row_number, number_text(metre.chainage_m, ""),
                           number_text(metre.position.x(), ""), number_text(metre.position.y(), ""),
                           csv_escape(metre.scan_id), csv_escape(metre.scan_date),
                           number_text(metre.leaf_area_per_m, ""), number_text(metre.plant_area_per_m, ""));
+      text += place_fields(block, place_text(place));
     }
   }
   return text;
+}
+
+template <class MakeText>
+Result<void> write_csv(const std::string& path, const MakeText& make_text) {
+  return guarded(kCsvWhat, path, [&]() -> Result<void> {
+    const GdalSession gdal;
+    RAYFIELD_ASSIGN(const std::string text, make_text());
+    return write_file_atomically(path, text, kCsvWhat);
+  });
 }
 
 }  // namespace
 
-Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
-  return guarded(kGeoJsonWhat, path, [&]() -> Result<void> {
+Result<void> check_panel_format(PanelFormat format, const std::string& path) {
+  const auto [driver, what] = format_text(format, 0);
+  return check_driver(driver, what, path);
+}
+
+Result<void> write_panels(const BlockProducts& block, std::size_t scan_index, PanelFormat format,
+                          const std::string& path) {
+  const auto [driver, what] = format_text(format, block.snapshot);
+  return guarded(what, path, [&, &driver = driver, &what = what]() -> Result<void> {
     const GdalSession gdal;
-    RAYFIELD_ASSIGN(const std::string text, geojson(block, scan_index, path));
-    return write_file_atomically(path, text, kGeoJsonWhat);
+    RAYFIELD_ASSIGN(const VectorTable table, panel_table(block, scan_index, what, path));
+    RAYFIELD_ASSIGN(const std::vector<NamedBytes> files, vector_files(table, driver, "panels", what, path));
+    return write_file_atomically(path, files.front().bytes, what);
   });
 }
 
+Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
+  return write_panels(block, scan_index, PanelFormat::geojson, path);
+}
+
+Result<void> write_panels_shapefile(const BlockProducts& block, std::size_t scan_index, const FarmProfile& profile,
+                                    const std::string& path) {
+  return guarded(kShapefileWhat, path, [&]() -> Result<void> {
+    const GdalSession gdal;
+    RAYFIELD_ASSIGN(VectorTable table, panel_table(block, scan_index, kShapefileWhat, path));
+    const ScanProduct& scan = block.scans[scan_index].scan;
+    return write_shapefile_zip(std::move(table), profile, fmt::format("{}_{}_panels", block.block, scan.scan_id),
+                               scan.scan_date, path, kShapefileWhat);
+  });
+}
+
+Result<void> write_panel_fields(const std::string& path) {
+  return guarded(kCsvWhat, path,
+                 [&] { return write_file_atomically(path, field_dictionary(panel_columns()), kCsvWhat); });
+}
+
 Result<void> write_panels_csv(const BlockProducts& block, const std::string& path) {
-  return guarded(kCsvWhat, path, [&] { return write_file_atomically(path, panels_csv(block), kCsvWhat); });
+  return write_csv(path, [&] { return panels_csv(block, path); });
 }
 
 Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path) {
-  return guarded(kCsvWhat, path, [&] { return write_file_atomically(path, row_metres_csv(block), kCsvWhat); });
+  return write_csv(path, [&] { return row_metres_csv(block, path); });
 }
 
 }  // namespace rayfield::formats

@@ -54,6 +54,13 @@ Result<std::vector<ProductFile>> ProductFolder::files() const {
 
 Result<void> ProductFolder::publish() const {
   RAYFIELD_ASSIGN(std::vector<std::string> names, names_in(impl_->staged));
+  // Before anything is renamed: what comes later in the folder must not fail after what comes first has changed.
+  for (const std::string& name : names) {
+    std::error_code ignored;
+    if (fs::is_directory(impl_->folder / name, ignored))
+      return fail(ErrorCode::resources, impl_->staged.what(), (impl_->folder / name).string(), "a folder is in the way",
+                  "move it away, or choose another folder");
+  }
   std::stable_partition(names.begin(), names.end(), [&](const std::string& name) { return name != impl_->last; });
   for (const std::string& name : names) {
     std::error_code ignored;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "libdensity/layout/polyline.h"
+#include "libdensity/layout/ring_around.h"
 
 namespace rayfield::density {
 namespace {
@@ -13,20 +14,6 @@ const Row* find_row(const RowLayout& layout, int number) {
   for (const Row& row : layout.rows)
     if (row.number == number) return &row;
   return nullptr;
-}
-
-// Ring around a part of a row, counter-clockwise and closed.
-std::vector<Eigen::Vector2d> band(const Row& row, double start_m, double end_m, double half_width_m) {
-  const std::vector<Eigen::Vector2d> line = sub_line(row.centreline, start_m, end_m);
-  std::vector<Eigen::Vector2d> ring;
-  const auto side = [&](std::size_t i, double across) {
-    const Eigen::Vector2d along = (line[std::min(i + 1, line.size() - 1)] - line[i > 0 ? i - 1 : 0]).normalized();
-    ring.emplace_back(line[i] + across * Eigen::Vector2d(-along.y(), along.x()));
-  };
-  for (std::size_t i = 0; i < line.size(); ++i) side(i, -half_width_m);
-  for (std::size_t i = line.size(); i-- > 0;) side(i, half_width_m);
-  ring.push_back(ring.front());
-  return ring;
 }
 
 }  // namespace
@@ -47,7 +34,8 @@ BlockProducts layout_products(const RowLayout& layout, const std::string& block,
     if (row == nullptr) continue;
     const Identity& id = row->identity;  // a panel stands and falls with its row
     products.panels.push_back({panel.identity.uid, row->shown_number(), panel.number, panel.start_m, panel.end_m,
-                               panel.end_m - panel.start_m, band(*row, panel.start_m, panel.end_m, half_width_m),
+                               panel.end_m - panel.start_m,
+                               ring_around(sub_line(row->centreline, panel.start_m, panel.end_m), half_width_m),
                                row->name, id.valid_from, id.valid_to, panel.identity.source});
   }
   for (const Post& post : layout.posts) {

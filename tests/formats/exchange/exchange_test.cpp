@@ -1,5 +1,6 @@
 #include "rayfield/formats/exchange.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
 
@@ -17,6 +18,13 @@ using testing::make_block;
 using testing::message;
 using testing::read_file;
 using testing::TemporaryFolder;
+
+// Longitude and latitude as the CSV files have them, from a projection of our own.
+std::string place(const std::string& crs, const Eigen::Vector2d& p_in_map) {
+  const auto frame = MapFrame::create(crs);
+  const Eigen::Vector3d geodetic = frame->geodetic_from_map({p_in_map.x(), p_in_map.y(), 0});
+  return fmt::format("{:.9f},{:.9f}", geodetic.y(), geodetic.x());
+}
 
 testing::Dataset open(const std::string& path) { return testing::open_dataset(path, GDAL_OF_VECTOR); }
 
@@ -51,7 +59,7 @@ TEST(GeoJson, PanelsLieWhereTheyShouldInLongitudeAndLatitude) {
     ++i;
   }
   const std::string text = read_file(folder / "a.geojson");
-  EXPECT_NE(text.find("\"lai\":null"), std::string::npos);
+  EXPECT_NE(text.find("\"lai\": null"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos);
   EXPECT_EQ(text.find("\"crs\""), std::string::npos);  // RFC 7946 has no such member
 }
@@ -89,6 +97,7 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   block.scans[0].panel_values[0].lai = kNan;
   block.scans[0].panel_values[1].scan_id = "x,\"y\"";
   block.scans[0].panel_values[0].wood_scan_id = "2018-07-20";
+  block.farm = "Hill Farm", block.variety = "=1+1, \"x\"";
   ASSERT_TRUE(write_panels_csv(block, folder / "a.csv"));
   std::istringstream lines(read_file(folder / "a.csv"));
   std::string line;
@@ -96,11 +105,12 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   EXPECT_EQ(line,
             "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
             "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
-            "se_plant_area_m2,ray_count,wood_scan_id");
+            "se_plant_area_m2,ray_count,wood_scan_id,block,farm,variety,longitude,latitude");
   std::getline(lines, line);
   EXPECT_EQ(line,
             "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
-            "0.9375,0.1875,5000000000,2018-07-20");
+            "0.9375,0.1875,5000000000,2018-07-20,block a,Hill Farm,\"=1+1, \"\"x\"\"\"," +
+                place(block.crs, (block.panels[0].outline[0] + block.panels[0].outline[2]) / 2));
   std::getline(lines, line);
   EXPECT_NE(line.find(",\"x,\"\"y\"\"\",2018-12-12,"), std::string::npos) << line;
   int more = 0;
@@ -110,13 +120,18 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
 
 TEST(Csv, RowMetresCarryTheirPlace) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_row_metres_csv(make_block(1, 1, {"2019-02-11"}), folder / "m.csv"));
+  BlockProducts block = make_block(1, 1, {"2019-02-11"});
+  block.variety = "Shiraz";
+  ASSERT_TRUE(write_row_metres_csv(block, folder / "m.csv"));
   std::istringstream lines(read_file(folder / "m.csv"));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m");
+  EXPECT_EQ(line,
+            "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,block,farm,"
+            "variety,longitude,latitude");
   std::getline(lines, line);
-  EXPECT_EQ(line, "1,0.25,276196.4736,6099944.3249,scan-2019-02-11,2019-02-11,0.03125,0.0625");
+  EXPECT_EQ(line, "1,0.25,276196.4736,6099944.3249,scan-2019-02-11,2019-02-11,0.03125,0.0625,block a,,Shiraz," +
+                      place(block.crs, block.scans[0].row_metres[0].position));
 }
 
 }  // namespace

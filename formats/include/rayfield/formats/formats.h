@@ -22,13 +22,18 @@
 
 // Products for GIS and for people (docs/products.md)
 #include "rayfield/formats/chart.h"           // dates of a block as charts, PNG and SVG
-#include "rayfield/formats/exchange.h"        // GeoJSON and CSV
+#include "rayfield/formats/draw_zones.h"      // management zones as polygons
+#include "rayfield/formats/exchange.h"        // panels as GeoJSON, KML, FlatGeobuf, GeoParquet, shapefile and CSV
+#include "rayfield/formats/farm_profile.h"    // what farm management systems take
 #include "rayfield/formats/geopackage.h"      // a block with all its dates as one GeoPackage
 #include "rayfield/formats/geotiff.h"         // rasters as Cloud Optimised GeoTIFF, sections in a local frame
+#include "rayfield/formats/isoxml.h"          // a prescription map as ISO 11783-10 task
 #include "rayfield/formats/picture.h"         // plan views, side views and end-on sections as PNG
 #include "rayfield/formats/product_folder.h"  // products that appear in their folder together
+#include "rayfield/formats/rates_file.h"      // rates for management zones
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
 #include "rayfield/formats/report.h"          // a block with all its dates as one HTML document
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
 #include "rayfield/formats/style.h"           // their colours, lines and text
+#include "rayfield/formats/zone_map.h"        // management zones as GeoPackage, GeoJSON and shapefile

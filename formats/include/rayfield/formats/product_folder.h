@@ -30,7 +30,7 @@ class ProductFolder {
   /// What has been written so far, by name.
   Result<std::vector<ProductFile>> files() const;
   /// Syncs everything that was written and moves it into the folder. Statistics that GDAL keeps beside an older raster
-  /// (`.aux.xml`) go. Errors: resources.
+  /// (`.aux.xml`) go. Errors: resources (also where a folder has the name of a product; nothing is moved then).
   Result<void> publish() const;
 
  private:

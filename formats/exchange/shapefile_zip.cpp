@@ -1,0 +1,53 @@
+#include "formats/exchange/shapefile_zip.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "formats/exchange/panel_table.h"
+#include "formats/gis/vector_file.h"
+#include "formats/io/zip_file.h"
+
+namespace rayfield::formats {
+namespace {
+
+/// Letters, digits, '-' and '_': what every program and file system takes.
+std::string ascii_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name) {
+    const bool good = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-';
+    if (good || plain.empty() || plain.back() != '_') plain.push_back(good ? c : '_');
+  }
+  return plain;
+}
+
+Result<void> check_fits(const VectorTable& table, const FarmProfile& profile, const std::string& path,
+                        std::string_view what) {
+  const auto refuse = [&](std::size_t count, const char* of, std::size_t most, const char* next) {
+    return fail(ErrorCode::usage, what, path, fmt::format("{} {}, and {} takes {}", count, of, profile.name, most),
+                next);
+  };
+  if (profile.most_features > 0 && table.features.size() > profile.most_features)
+    return refuse(table.features.size(), "polygons", profile.most_features, "give it zones: see `rayfield zones`");
+  if (profile.most_columns > 0 && table.columns.size() > profile.most_columns)
+    return refuse(table.columns.size(), "columns", profile.most_columns, "choose another --profile");
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_shapefile_zip(VectorTable table, const FarmProfile& profile, const std::string& stem,
+                                 const std::string& date, const std::string& path, std::string_view what) {
+  if (profile.numbers_only) table = numbers_only(std::move(table));
+  RAYFIELD_CHECK(check_fits(table, profile, path, what));
+  const std::string name = ascii_name(stem);
+  RAYFIELD_ASSIGN(std::vector<NamedBytes> files, vector_files(table, shapefile_format(date), name, what, path));
+  if (!profile.projection_files)
+    std::erase_if(files, [](const NamedBytes& f) { return f.name.ends_with(".prj") || f.name.ends_with(".cpg"); });
+  if (profile.field_dictionary) files.push_back({name + "_fields.csv", field_dictionary(table.columns)});
+  std::vector<ZipMember> members;
+  for (const NamedBytes& file : files) members.push_back({std::string(profile.folder) + file.name, file.bytes});
+  return write_zip(members, date, path, what);
+}
+
+}  // namespace rayfield::formats
