@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "cli/products/block_scales.h"
 #include "cli/products/export_folder.h"
 #include "rayfield/core/sha256.h"
 #include "rayfield/density/load.h"
@@ -67,6 +68,11 @@ std::string overlay_source(const BlockProducts& block) {
   return source.hex();
 }
 
+// On which colours the values lie.
+std::string scale_source(const formats::ColorScale& scale) {
+  return Source("scale").add(scale.low).add(scale.high).hex();
+}
+
 // The whole export: equal ones are of one snapshot, and of the same scans in the same formats.
 std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::string>& scan_ids,
                        const std::set<std::string>& formats) {
@@ -94,21 +100,30 @@ Result<void> write_map(const density::StoredRaster& raster, const std::string& c
 
 // The rasters of one scan, and the picture of its density map.
 Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
-                            const BlockProducts& block, const std::string& layout, const std::string& overlay,
-                            const ExportOptions& options, ExportFolder& folder) {
+                            const BlockProducts& block, const BlockScales& scales, const std::string& layout,
+                            const std::string& overlay, const ExportOptions& options, ExportFolder& folder) {
   for (const std::string& name : density::raster_names(scan)) {
     const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
     const std::string values = derived_sha256(scan, "raster", name);
-    const bool tiff = options.formats.count("geotiff") > 0 &&
-                      folder.wants(stem + ".tif", Source("geotiff").add(block.crs).add(layout).add(values).hex());
-    const bool png =
-        options.formats.count("png") > 0 && name == "plan_density" &&
-        folder.wants(stem + ".png",
-                     Source("png").add(scan.name).add(scan.date).add(layout).add(overlay).add(values).hex());
+    const formats::ColorScale& scale = scales.at(name);
+    const bool tiff =
+        options.formats.count("geotiff") > 0 &&
+        folder.wants(stem + ".tif",
+                     Source("geotiff").add(block.crs).add(layout).add(scale_source(scale)).add(values).hex());
+    const bool png = options.formats.count("png") > 0 && name == "plan_density" &&
+                     folder.wants(stem + ".png", Source("png")
+                                                     .add(scan.name)
+                                                     .add(scan.date)
+                                                     .add(layout)
+                                                     .add(overlay)
+                                                     .add(scale_source(scale))
+                                                     .add(values)
+                                                     .hex());
     if (!tiff && !png) continue;
     if (tiff) {
       RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
       formats::GeoTiffOptions write;
+      write.scale = scale;
       write.metadata = {{"scan_id", scan.scan_id},
                         {"scan_date", scan.date},
                         {"snapshot", std::to_string(block.snapshot)},
@@ -118,6 +133,7 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
     if (png) {
       RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
       formats::PictureOptions picture;
+      picture.scale = scale;
       picture.title = block.block;
       picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
       RAYFIELD_CHECK(
@@ -151,15 +167,35 @@ Result<void> export_sections(const tile::Store& store, const tile::Snapshot& sna
   return {};
 }
 
+// What the project in the GeoPackage shows: maps that this export writes, or that lie in the folder already.
+formats::GeoPackageOptions geopackage_options(const tile::Snapshot& snapshot, const BlockProducts& block,
+                                              const BlockScales& scales, const fs::path& folder,
+                                              const ExportOptions& options) {
+  formats::GeoPackageOptions write;
+  write.panel_scale = scales.at("leaf_area_per_m");
+  write.project = true;
+  for (const ScanResults& results : block.scans) {
+    const std::string& scan_id = results.scan.scan_id;
+    for (const std::string& name : density::raster_names(*snapshot.find_scan(scan_id))) {
+      const std::string file = fmt::format("{}_{}_{}.tif", block.block, scan_id, name);
+      std::error_code ignored;
+      if (options.formats.count("geotiff") == 0 && !fs::exists(folder / file, ignored)) continue;
+      write.maps.push_back(
+          {scan_id, name, name.starts_with("plan") || name.starts_with("leaf") ? "m2/m2" : "m", file, scales.at(name)});
+    }
+  }
+  return write;
+}
+
 // Products of all dates in one file, and of single dates.
-Result<void> export_tables(const BlockProducts& block, const std::string& content,
-                           const std::optional<std::string>& carry_over_from, const ExportOptions& options,
-                           ExportFolder& folder) {
+Result<void> export_tables(const BlockProducts& block, const formats::GeoPackageOptions& write,
+                           const std::string& content, const std::optional<std::string>& carry_over_from,
+                           const ExportOptions& options, ExportFolder& folder) {
   const auto wants = [&](const char* format, const std::string& name) {
     return options.formats.count(format) > 0 && folder.wants(name, content);
   };
   if (const std::string name = block.block + ".gpkg"; wants("gpkg", name)) {
-    RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name)));
+    RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name), write));
     if (carry_over_from) RAYFIELD_CHECK(formats::carry_over(*carry_over_from, folder.path(name)));
   }
   if (const std::string name = block.block + "_panels.csv"; wants("csv", name))
@@ -203,15 +239,18 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, scan_ids));
   RAYFIELD_ASSIGN(const auto carry_over_from, additions_to_keep(store, block, folder, options));
 
+  RAYFIELD_ASSIGN(const BlockScales scales, fit_block_scales(store, snapshot, progress));
+
   progress.stage("export", scan_ids.size() + 1, "steps");
-  RAYFIELD_CHECK(export_tables(block, content, carry_over_from, options, output));
+  const auto write = geopackage_options(snapshot, block, scales, folder, options);
+  RAYFIELD_CHECK(export_tables(block, write, content, carry_over_from, options, output));
   progress.advance(1);
   const std::string layout = layout_source(snapshot), overlay = overlay_source(block), posts = posts_source(block);
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
     const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
-    RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, layout, overlay, options, output));
+    RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, scales, layout, overlay, options, output));
     const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
     // A scan that shows no row has neither half metres nor sections.
     if (options.formats.count("png") > 0 && !results.row_metres.empty())

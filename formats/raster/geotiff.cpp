@@ -187,7 +187,7 @@ Result<void> publish_all(const Job& job, const std::string& file, const RasterSt
   if (job.options.write_style) {
     const ColorScale scale =
         job.options.scale.value_or(product_scale(job.layout.name, statistics.minimum(), statistics.maximum()));
-    const std::string style = qml::raster_style(scale, job.layout.unit);
+    const std::string style = qml::document(qml::raster_style(scale, job.layout.unit));
     RAYFIELD_CHECK(write_whole_file(job.staged.path("style.qml"), std::as_bytes(std::span(style)), kWhat));
   }
   // GDAL would prefer an older file's sidecar statistics to those inside the new one.

@@ -30,5 +30,6 @@
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
 #include "rayfield/formats/report.h"          // a block with all its dates as one HTML document
+#include "rayfield/formats/scale_fit.h"       // one colour scale for all dates of a block
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
 #include "rayfield/formats/style.h"           // their colours, lines and text
