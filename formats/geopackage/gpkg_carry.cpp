@@ -92,11 +92,16 @@ class Carrier {
   // A project that users saved under the name of ours gets one that says when.
   Result<void> copy_projects() const {
     RAYFIELD_CHECK(run(kCreateProjectTable));
-    return run(fmt::format(
-        "INSERT INTO main.{0} (name, metadata, content) SELECT CASE WHEN name IN (SELECT name FROM main.{0}) "
-        "THEN name || ' (saved ' || ifnull(substr(CAST(metadata AS TEXT), instr(CAST(metadata AS TEXT), "
-        "'_time\": \"') + 9, 19), 'by a user') || ')' ELSE name END, metadata, content FROM old.{0} WHERE {1}",
-        kProjectTable, kProjectOfUsers));
+    // Without ':' and brackets, which QGIS does not always find again.
+    const std::string time =
+        "replace(replace(substr(CAST(metadata AS TEXT), instr(CAST(metadata AS TEXT), '_time\": \"') + 9, 19), 'T', ' "
+        "'), "
+        "':', '.')";
+    return run(
+        fmt::format("INSERT INTO main.{0} (name, metadata, content) SELECT CASE WHEN name IN "
+                    "(SELECT name FROM main.{0}) THEN name || ' saved ' || ifnull({1}, 'by a user') ELSE name END, "
+                    "metadata, content FROM old.{0} WHERE {2}",
+                    kProjectTable, time, kProjectOfUsers));
   }
 
  private:

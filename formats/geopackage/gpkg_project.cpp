@@ -36,6 +36,17 @@ Result<void> set_crs(const OpenGeoPackage& package, qgis::Project& project) {
 
 }  // namespace
 
+std::string project_name(const std::string& block) {
+  std::string name = clean_text(block);
+  for (char& c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool kept = byte >= 0x80 || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                      std::string_view(" -_.").find(c) != std::string_view::npos;
+    if (!kept) c = '_';
+  }
+  return name;
+}
+
 Result<void> add_project(const OpenGeoPackage& package, const BlockProducts& block, const GeoPackageOptions& options,
                          const std::string& time) {
   const std::string file_name = std::filesystem::path(package.target).filename().string();
@@ -48,7 +59,7 @@ Result<void> add_project(const OpenGeoPackage& package, const BlockProducts& blo
   const std::string metadata = fmt::format(R"({{"last_modified_time": "{}", "last_modified_user": "rayfield" }})",
                                            time.substr(0, std::string_view("YYYY-MM-DDThh:mm:ss").size()));
   return execute(package, fmt::format("INSERT INTO qgis_projects (name, metadata, content) VALUES ({}, {}, '{}')",
-                                      sql_literal(block.block), sql_literal(metadata), to_hex(archive)));
+                                      sql_literal(project_name(block.block)), sql_literal(metadata), to_hex(archive)));
 }
 
 }  // namespace rayfield::formats::gpkg

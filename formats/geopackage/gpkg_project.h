@@ -17,7 +17,11 @@ inline constexpr const char* kCreateProjectTable =
 inline constexpr const char* kProjectOfUsers =
     "ifnull(instr(CAST(metadata AS TEXT), '\"last_modified_user\": \"rayfield\"'), 0) = 0";
 
-/// Writes the project of a block under the block's name. `time`: of change, as the whole file has it.
+/// The name of a block's project: the block's, with letters, digits, blanks, '-', '_' and '.'. QGIS 3.22 keeps projects
+/// of other names (with '%', '&', '#'), but cannot open them again.
+std::string project_name(const std::string& block);
+
+/// Writes the project of a block under that name. `time`: of change, as the whole file has it.
 Result<void> add_project(const OpenGeoPackage& package, const BlockProducts& block, const GeoPackageOptions& options,
                          const std::string& time);
 

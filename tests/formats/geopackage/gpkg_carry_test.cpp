@@ -137,7 +137,7 @@ TEST(GeoPackageCarriesOver, ProjectsOfUsersWhileOursIsMadeAnew) {
     ASSERT_TRUE(carried) << message(carried);
     const Editor reader(to);
     EXPECT_THAT(reader.values("SELECT name || ' ' || substr(content, 1, 2) FROM qgis_projects ORDER BY name"),
-                ElementsAre("block a 50", "block a (saved 2019-03-01T08:00:00) 5a", "pruning 4b", "spraying 50"));
+                ElementsAre("block a 50", "block a saved 2019-03-01 08.00.00 5a", "pruning 4b", "spraying 50"));
     EXPECT_THAT(reader.values("SELECT length(content) > 1000 FROM qgis_projects WHERE name = 'block a'"),
                 ElementsAre("1"));
   }

@@ -12,6 +12,7 @@
 #include <set>
 #include <thread>
 
+#include "formats/geopackage/gpkg_project.h"
 #include "rayfield/formats/geopackage.h"
 #include "tests/formats/products_support.h"
 
@@ -160,7 +161,7 @@ TEST(QgisProject, HostileNamesStayText) {
     ASSERT_TRUE(written) << testing::message(written);
     expect_valid_geopackage(folder / "b.gpkg");
     const auto [stored, text] = project_in(folder / "b.gpkg");
-    EXPECT_EQ(stored, name);
+    EXPECT_EQ(stored, gpkg::project_name(name));
     EXPECT_EQ(text.find("<img"), std::string::npos);
     const Xml xml = parsed(text);
     EXPECT_EQ(values(xml.get(), "title", ""), (std::vector<std::string>{name + ", " + name}));
@@ -171,6 +172,11 @@ TEST(QgisProject, HostileNamesStayText) {
     EXPECT_THAT(values(xml.get(), "maplayer", "datasource"),
                 ::testing::Contains("./b.gpkg|layername=panel_by_date|subset=\"scan_id\" = '" + literal + "'"));
   }
+}
+
+TEST(QgisProject, NamesOfProjectsAreOnesThatQgisCanOpenAgain) {
+  EXPECT_EQ(gpkg::project_name("block a-2_b.c"), "block a-2_b.c");
+  EXPECT_EQ(gpkg::project_name("Böll & \"Söhne\" 100 %? #1"), "Böll _ _Söhne_ 100 __ _1");
 }
 
 TEST(QgisProject, EqualBlocksAreEqualBytesWheneverTheyAreWritten) {

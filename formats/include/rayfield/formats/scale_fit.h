@@ -10,10 +10,10 @@
 
 namespace rayfield::formats {
 
-/// One colour scale for a product on all dates of a block, fitted to its crop: it ends at the first of 1, 2, 3, 5 × 10ⁿ
-/// that at most 1 % of the canopy's cells exceed on any date, and not below a usual canopy in leaf, so that a season
-/// that begins bare begins with the scale of its summer. A later date moves it only by exceeding it. The result depends
-/// on the values alone, not on their order, nor on what was exported before.
+/// One colour scale for a product on all dates of a block, fitted to its crop: it ends at the first of 1, 1.5, 2, 3, 5
+/// × 10ⁿ that at most 1 % of the canopy's cells exceed on any date, and not below a usual canopy in leaf, so that a
+/// season that begins bare begins with the scale of its summer. A later date moves it only by exceeding it. The result
+/// depends on the values alone, not on their order, nor on what was exported before.
 class ScaleFit {
  public:
   /// `product`: "plan_density", "leaf_density", "plan_density_se", "canopy_height", "ground", "leaf_area_per_m"; others

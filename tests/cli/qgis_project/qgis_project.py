@@ -1,14 +1,20 @@
-"""Opens the QGIS project of an exported block in QGIS itself, without a display, and checks what a user would see.
+#!/usr/bin/env python3
+"""Opens the project of an exported block in QGIS, without a display: layers, groups, styles, relation, labels, times,
+and maps of every date. Opening it changes nothing in the GeoPackage.
 
-Usage: qgis_project.py MAPS [--pictures FOLDER]
-MAPS: a folder that `rayfield export` has written. Needs python3-qgis (scripts/packages-qgis.txt).
+    tests/cli/qgis_project/qgis_project.py PROGRAM WORK_FOLDER [--maps MAPS] [--pictures FOLDER]
+
+Without --maps, a folder that `rayfield export` has written, a small site is simulated, mapped and given a hostile name.
+Needs python3-qgis; `scripts/test.sh --qgis` installs it. No part of ctest: QGIS brings 300 packages.
 """
 import argparse
+import json
 import os
+import pathlib
 import shutil
 import sqlite3
+import subprocess
 import sys
-import tempfile
 import urllib.parse
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -19,18 +25,54 @@ from qgis.PyQt.QtCore import QSize  # noqa: E402
 from qgis.PyQt.QtGui import QColor  # noqa: E402
 
 SIZE = (1000, 800)
+BLOCK = "Böll & \"Söhne\" 100 %? #1 <img src=x onerror=alert(1)>"
+SITE = """[site]
+name = "small"
+latitude_deg = -35.2
+longitude_deg = 138.5
+seed = 5
+[rows]
+count = 3
+length_m = 14
+spacing_m = 2.5
+azimuth_deg = 70
+panel_length_m = 3.5
+[canopy]
+leaf_area_m2_per_m = 1.8
+vigour_variation = 0.4
+[spinning]
+beams = 143
+""" + "".join(f'[[date]]\ndate = "{date}"\nleaf_fraction = {leaves}\nseed = {seed}\n'
+              for date, leaves, seed in (("2020-08-01", 0.0, 1), ("2020-11-20", 0.5, 2), ("2021-02-10", 1.0, 3)))
 failures = []
 
 
-def check(condition, words):
-    if not condition:
-        failures.append(words)
-        print(f"FAILED: {words}")
+def check(truth, what):
+    if not truth:
+        failures.append(what)
+        print("FAILED " + what)
+
+
+def make_maps(program, work):
+    def rayfield(*arguments):
+        subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    (work / "site.toml").write_text(SITE)
+    rayfield("simulate", work / "site.toml", "-o", work / "logs", "--no-log", "-q")
+    rayfield("init", work / "block", "--crs", "EPSG:7854")
+    for folder in sorted((work / "logs").iterdir()):
+        rayfield("add", work / "block", folder / "rays.ply", "--date", folder.name, "-q")
+    rayfield("process", work / "block", "-q")
+    rayfield("registry", "rename", work / "block", "--block", BLOCK)
+    rayfield("export", work / "block", "-o", work / "maps", "-q")
+    return work / "maps"
 
 
 def tables(path):
     """Every table with its rows, as SQLite reads them; the bytes of pages may differ."""
-    with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as connection:
+    with sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True) as connection:
         names = [row[0] for row in connection.execute(
             "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'rtree_%_geom'")]
         return {name: connection.execute(f'SELECT * FROM "{name}"').fetchall() for name in sorted(names)}
@@ -118,7 +160,7 @@ def check_labels(project):
         check(layer.labelsEnabled() and layer.labeling() is not None, f"'{layer.name()}' is labelled")
 
 
-def check_time(block, controller, canvas, scans):
+def check_time(block, controller, canvas):
     check(controller.navigationMode() == QgsTemporalNavigationObject.Animated, "the temporal controller is on")
     days = len({group.name()[:10] for group in block.dates})
     check(controller.totalFrameCount() == days, f"one step per date: {controller.totalFrameCount()} for {days}")
@@ -170,20 +212,24 @@ def check_pictures(block, controller, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("maps")
+    parser.add_argument("program")
+    parser.add_argument("work", type=pathlib.Path)
+    parser.add_argument("--maps", type=pathlib.Path)
     parser.add_argument("--pictures")
     arguments = parser.parse_args()
     if arguments.pictures:
         os.makedirs(arguments.pictures, exist_ok=True)
-    # Beside hostile neighbours: a folder whose name needs quoting everywhere.
-    folder = os.path.join(tempfile.mkdtemp(), "Böll & 'Söhne' 100 %")
-    shutil.copytree(arguments.maps, folder)
-    names = [name for name in os.listdir(folder) if name.endswith(".gpkg")]
-    check(len(names) == 1, f"one GeoPackage in {arguments.maps}, not {names}")
-    path = os.path.join(folder, names[0])
+    maps = arguments.maps or make_maps(arguments.program, arguments.work)
+    # Paths are relative: a copy in a folder whose name needs quoting works the same.
+    folder = arguments.work / "a copy, 100 % O'Brien's"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(maps, folder)
+    paths = list(folder.glob("*.gpkg"))
+    check(len(paths) == 1, f"one GeoPackage in {maps}, not {paths}")
+    path = paths[0]
     before = tables(path)
-    project_names = [row[0] for row in before["qgis_projects"]]
-    scans = len(before["scan"])
+    names = [name for name, metadata, _ in before["qgis_projects"] if json.loads(metadata)["last_modified_user"] == "rayfield"]
+    check(len(names) == 1, f"one project of rayfield's, not {names}")
 
     application = QgsApplication([], True)
     application.initQgis()
@@ -191,19 +237,18 @@ def main():
     canvas = QgsMapCanvas()
     canvas.setTemporalController(widget.temporalController())
     project = QgsProject.instance()
-    uri = f"geopackage:{path}?projectName={urllib.parse.quote(project_names[0])}"
+    uri = f"geopackage:{urllib.parse.quote(str(path))}?projectName={urllib.parse.quote(names[0])}"
     check(project.read(uri), f"the project opens: {project.error()}")
     block = Block(project)
-    check_layers(block, scans)
+    check_layers(block, len(before["scan"]))
     check_relation(project)
     check_labels(project)
-    check_time(block, widget.temporalController(), canvas, scans)
+    check_time(block, widget.temporalController(), canvas)
     check_pictures(block, widget.temporalController(), arguments.pictures)
     project.clear()
     check(tables(path) == before, "opening and drawing changes no row of any table")
-    left = sorted(set(os.listdir(folder)) - set(os.listdir(arguments.maps)))
+    left = sorted(set(os.listdir(folder)) - set(os.listdir(maps)))
     check(not left, f"QGIS leaves nothing beside the GeoPackage, not {left}")
-    shutil.rmtree(os.path.dirname(folder))
     print(f"{len(failures)} failures" if failures else "QGIS opens the project as it should")
     sys.stdout.flush()
     os._exit(1 if failures else 0)  # QGIS may crash when Python takes it down
