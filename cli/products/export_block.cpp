@@ -7,6 +7,7 @@
 
 #include "cli/products/block_scales.h"
 #include "cli/products/export_folder.h"
+#include "cli/products/export_stac.h"
 #include "rayfield/core/sha256.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
@@ -169,7 +170,7 @@ Result<void> export_sections(const tile::Store& store, const tile::Snapshot& sna
 
 // What the project in the GeoPackage shows: maps that this export writes, or that lie in the folder already.
 formats::GeoPackageOptions geopackage_options(const tile::Snapshot& snapshot, const BlockProducts& block,
-                                              const BlockScales& scales, const fs::path& folder,
+                                              const BlockScales& scales, const ExportFolder& folder,
                                               const ExportOptions& options) {
   formats::GeoPackageOptions write;
   write.panel_scale = scales.at("leaf_area_per_m");
@@ -178,8 +179,7 @@ formats::GeoPackageOptions geopackage_options(const tile::Snapshot& snapshot, co
     const std::string& scan_id = results.scan.scan_id;
     for (const std::string& name : density::raster_names(*snapshot.find_scan(scan_id))) {
       const std::string file = fmt::format("{}_{}_{}.tif", block.block, scan_id, name);
-      std::error_code ignored;
-      if (options.formats.count("geotiff") == 0 && !fs::exists(folder / file, ignored)) continue;
+      if (options.formats.count("geotiff") == 0 && !folder.has(file)) continue;
       write.maps.push_back(
           {scan_id, name, name.starts_with("plan") || name.starts_with("leaf") ? "m2/m2" : "m", file, scales.at(name)});
     }
@@ -242,7 +242,7 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   RAYFIELD_ASSIGN(const BlockScales scales, fit_block_scales(store, snapshot, progress));
 
   progress.stage("export", scan_ids.size() + 1, "steps");
-  const auto write = geopackage_options(snapshot, block, scales, folder, options);
+  const auto write = geopackage_options(snapshot, block, scales, output, options);
   RAYFIELD_CHECK(export_tables(block, write, content, carry_over_from, options, output));
   progress.advance(1);
   const std::string layout = layout_source(snapshot), overlay = overlay_source(block), posts = posts_source(block);
@@ -257,6 +257,7 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
       RAYFIELD_CHECK(export_sections(store, snapshot, scan, block, sections, output));
     progress.advance(1);
   }
+  if (options.formats.count("geotiff") > 0) RAYFIELD_CHECK(export_stac(store, snapshot, block, content, output));
   RAYFIELD_CHECK(output.publish(snapshot.number, content));
   return ExportReport{snapshot.number, output.products(), output.written_count()};
 }

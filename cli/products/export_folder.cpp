@@ -86,6 +86,11 @@ bool ExportFolder::wants(const std::string& name, const std::string& source) {
   return !kept;
 }
 
+bool ExportFolder::has(const std::string& name) const {
+  std::error_code ignored;
+  return fs::exists(folder_ / name, ignored);
+}
+
 Result<void> ExportFolder::publish(std::uint64_t snapshot, const std::string& content) {
   RAYFIELD_ASSIGN(const std::vector<formats::ProductFile> files, products_.files());
   std::string source;  // a style has no source of its own: it comes with the raster before it

@@ -32,4 +32,5 @@
 #include "rayfield/formats/report.h"          // a block with all its dates as one HTML document
 #include "rayfield/formats/scale_fit.h"       // one colour scale for all dates of a block
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
+#include "rayfield/formats/stac.h"            // its maps in the words of catalogues
 #include "rayfield/formats/style.h"           // their colours, lines and text
