@@ -74,6 +74,11 @@ std::string scale_source(const formats::ColorScale& scale) {
   return Source("scale").add(scale.low).add(scale.high).hex();
 }
 
+// Of a raster by its name.
+const char* product_unit(std::string_view name) {
+  return name.starts_with("plan") || name.starts_with("leaf") ? "m2/m2" : "m";
+}
+
 // The whole export: equal ones are of one snapshot, and of the same scans in the same formats.
 std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::string>& scan_ids,
                        const std::set<std::string>& formats) {
@@ -107,10 +112,8 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
     const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
     const std::string values = derived_sha256(scan, "raster", name);
     const formats::ColorScale& scale = scales.at(name);
-    const bool tiff =
-        options.formats.count("geotiff") > 0 &&
-        folder.wants(stem + ".tif",
-                     Source("geotiff").add(block.crs).add(layout).add(scale_source(scale)).add(values).hex());
+    const bool tiff = options.formats.count("geotiff") > 0 &&
+                      folder.wants(stem + ".tif", Source("geotiff").add(block.crs).add(layout).add(values).hex());
     const bool png = options.formats.count("png") > 0 && name == "plan_density" &&
                      folder.wants(stem + ".png", Source("png")
                                                      .add(scan.name)
@@ -120,11 +123,14 @@ Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snap
                                                      .add(scale_source(scale))
                                                      .add(values)
                                                      .hex());
+    // A raster stays as it is where only the scale of the block has changed.
+    if (options.formats.count("geotiff") > 0 && folder.wants(stem + ".qml", scale_source(scale)))
+      RAYFIELD_CHECK(formats::write_raster_style(scale, product_unit(name), folder.path(stem + ".qml")));
     if (!tiff && !png) continue;
     if (tiff) {
       RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
       formats::GeoTiffOptions write;
-      write.scale = scale;
+      write.write_style = false;
       write.metadata = {{"scan_id", scan.scan_id},
                         {"scan_date", scan.date},
                         {"snapshot", std::to_string(block.snapshot)},
@@ -180,8 +186,7 @@ formats::GeoPackageOptions geopackage_options(const tile::Snapshot& snapshot, co
     for (const std::string& name : density::raster_names(*snapshot.find_scan(scan_id))) {
       const std::string file = fmt::format("{}_{}_{}.tif", block.block, scan_id, name);
       if (options.formats.count("geotiff") == 0 && !folder.has(file)) continue;
-      write.maps.push_back(
-          {scan_id, name, name.starts_with("plan") || name.starts_with("leaf") ? "m2/m2" : "m", file, scales.at(name)});
+      write.maps.push_back({scan_id, name, product_unit(name), file, scales.at(name)});
     }
   }
   return write;

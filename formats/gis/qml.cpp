@@ -55,7 +55,8 @@ std::string labeling(std::string_view expression, std::string_view placement, bo
   if (expression.empty()) return {};
   return fmt::format(
       "<labeling type=\"simple\"><settings calloutType=\"simple\">"
-      "<text-style fieldName=\"{}\" isExpression=\"1\" fontFamily=\"Sans\" fontSize=\"8\" fontSizeUnit=\"Point\" "
+      "<text-style fieldName=\"{}\" isExpression=\"1\" fontFamily=\"Sans\" fontWeight=\"75\" fontSize=\"8\" "
+      "fontSizeUnit=\"Point\" "
       "textColor=\"50,50,50,255\" textOpacity=\"1\" namedStyle=\"\">"
       "<text-buffer bufferDraw=\"1\" bufferSize=\"0.7\" bufferSizeUnits=\"MM\" bufferColor=\"255,255,255,220\" "
       "bufferOpacity=\"1\"/></text-style>"
@@ -193,7 +194,7 @@ LayerStyle relative_style(const Graduated& options, std::string_view date_key) {
   std::vector<Class> classes;
   for (std::size_t i = 0; i + 1 < limits.size(); ++i) {
     const bool first = i == 0, last = i + 2 == limits.size();
-    const std::string label = first  ? "under 50 % of the date's mean"
+    const std::string label = first  ? "under 50 %"
                               : last ? "over 150 %"
                                      : fmt::format("{} – {} %", limits[i], limits[i + 1]);
     classes.push_back({limits[i], limits[i + 1], label, color_at({0, 6, Ramp::change}, static_cast<double>(i))});
@@ -209,15 +210,14 @@ LayerStyle outline_style(const Rgba& color, std::string_view label_expression) {
 }
 
 LayerStyle line_style(const Rgba& color, double width_mm, std::string_view label_expression) {
-  return single_symbol(
-      symbol("line", "0", "SimpleLine",
-             {option("line_color", color_text(color)), option("line_style", "solid"),
-              option("line_width", fmt::format("{}", width_mm)), option("line_width_unit", "MM"),
-              option("capstyle", "round"), option("joinstyle", "round")}),
-      labeling(label_expression,
-               R"(placement="1" geometryGeneratorEnabled="1" geometryGeneratorType="PointGeometry" )"
-               R"x(geometryGenerator="start_point(extend($geometry, 1.5, 0))")x",
-               false));
+  return single_symbol(symbol("line", "0", "SimpleLine",
+                              {option("line_color", color_text(color)), option("line_style", "solid"),
+                               option("line_width", fmt::format("{}", width_mm)), option("line_width_unit", "MM"),
+                               option("capstyle", "round"), option("joinstyle", "round")}),
+                       labeling(label_expression,
+                                R"(placement="1" geometryGeneratorEnabled="1" geometryGeneratorType="PointGeometry" )"
+                                R"x(geometryGenerator="start_point(extend($geometry, 1.5, 0))")x",
+                                false));
 }
 
 LayerStyle point_style(const Rgba& fill, double size_mm) {

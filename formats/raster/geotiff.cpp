@@ -272,6 +272,14 @@ Result<void> write_cog(const RasterProduct& raster, const std::string& crs, cons
                     crs, path, options);
 }
 
+Result<void> write_raster_style(const ColorScale& scale, const std::string& unit, const std::string& path) {
+  constexpr std::string_view kStyleWhat = "cannot write style";
+  return guarded(kStyleWhat, path, [&]() -> Result<void> {
+    RAYFIELD_CHECK(GeoTiffOptions{.scale = scale}.validate());
+    return write_file_atomically(path, qml::document(qml::raster_style(scale, unit)), kStyleWhat);
+  });
+}
+
 Result<void> write_section_cog(const SectionProduct& section, const std::string& path, const GeoTiffOptions& options) {
   const Grid2<float>& grid = section.grid;
   const std::string description = fmt::format("vertical section of row {}", section.row_number);
