@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is missing of lists of Debian packages. Needs root, or sudo.
-# Usage: scripts/setup.sh [LIST...]   LIST: user (packages.txt; the default), test, check (packages-LIST.txt)
+# Usage: scripts/setup.sh [LIST...]   LIST: user (packages.txt; the default), test, check, qgis (packages-LIST.txt)
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 [ $# -gt 0 ] || set -- user
@@ -8,8 +8,8 @@ missing=""
 for list in "$@"; do
   case "$list" in
     user) file="$here/packages.txt" ;;
-    test | check) file="$here/packages-$list.txt" ;;
-    *) echo "setup.sh: no such list: $list (user, test, check)" >&2; exit 2 ;;
+    test | check | qgis) file="$here/packages-$list.txt" ;;
+    *) echo "setup.sh: no such list: $list (user, test, check, qgis)" >&2; exit 2 ;;
   esac
   for package in $(sed 's/#.*//' "$file"); do
     status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)

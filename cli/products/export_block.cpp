@@ -5,8 +5,10 @@
 #include <optional>
 #include <span>
 
+#include "cli/products/block_scales.h"
 #include "cli/products/exchange_products.h"
 #include "cli/products/export_folder.h"
+#include "cli/products/export_stac.h"
 #include "rayfield/core/sha256.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
@@ -68,6 +70,16 @@ std::string overlay_source(const BlockProducts& block) {
   return source.hex();
 }
 
+// On which colours the values lie.
+std::string scale_source(const formats::ColorScale& scale) {
+  return Source("scale").add(scale.low).add(scale.high).hex();
+}
+
+// Of a raster by its name.
+const char* product_unit(std::string_view name) {
+  return name.starts_with("plan") || name.starts_with("leaf") ? "m2/m2" : "m";
+}
+
 // The whole export: equal ones are of one snapshot, and of the same scans in the same formats.
 std::string content_of(const tile::Snapshot& snapshot, const std::vector<std::string>& scan_ids,
                        const ExportOptions& options) {
@@ -94,42 +106,73 @@ Result<void> write_map(const density::StoredRaster& raster, const std::string& c
   return formats::write_cog(layout, read, crs, path, options);
 }
 
+// What the rasters of a scan are written with.
+struct MapExport {
+  const tile::Store& store;
+  const tile::Snapshot& snapshot;
+  const BlockProducts& block;
+  const BlockScales& scales;
+  const ExportOptions& options;
+  std::string layout, overlay;  // digests of the rows' layout, and of what is drawn over pictures
+
+  bool wants(const char* format) const { return options.formats.count(format) > 0; }
+};
+
+// One raster as the GeoTIFFs that are wanted, and their style: a raster stays as it is where only the scale has
+// changed.
+Result<void> export_raster(const MapExport& maps, const tile::ScanEntry& scan, const std::string& name,
+                           ExportFolder& folder) {
+  const std::string stem = fmt::format("{}_{}_{}", maps.block.block, scan.scan_id, name);
+  const std::string values = derived_sha256(scan, "raster", name);
+  const auto source = [&](const char* format) {
+    return Source(format).add(maps.block.crs).add(maps.layout).add(values).hex();
+  };
+  const formats::ColorScale& scale = maps.scales.at(name);
+  if (maps.wants("geotiff") && folder.wants(stem + ".qml", scale_source(scale)))
+    RAYFIELD_CHECK(formats::write_raster_style(scale, product_unit(name), folder.path(stem + ".qml")));
+  const bool tiff = maps.wants("geotiff") && folder.wants(stem + ".tif", source("geotiff"));
+  const bool plain = maps.wants("geotiff-plain") && folder.wants(stem + "_plain.tif", source("geotiff-plain"));
+  if (!tiff && !plain) return {};
+  RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(maps.store, maps.snapshot, scan, name));
+  formats::GeoTiffOptions write;
+  write.write_style = false;
+  write.metadata = {{"scan_id", scan.scan_id},
+                    {"scan_date", scan.date},
+                    {"snapshot", std::to_string(maps.block.snapshot)},
+                    {"source_sha256", values}};
+  if (tiff) RAYFIELD_CHECK(write_map(raster, maps.block.crs, folder.path(stem + ".tif"), write));
+  write.profile = formats::GeoTiffOptions::Profile::plain;
+  if (plain) RAYFIELD_CHECK(write_map(raster, maps.block.crs, folder.path(stem + "_plain.tif"), write));
+  return {};
+}
+
+// The density map of one scan as a picture.
+Result<void> export_plan_picture(const MapExport& maps, const tile::ScanEntry& scan, ExportFolder& folder) {
+  constexpr const char* kName = "plan_density";
+  const std::string file = fmt::format("{}_{}_{}.png", maps.block.block, scan.scan_id, kName);
+  const formats::ColorScale& scale = maps.scales.at(kName);
+  const std::string source = Source("png")
+                                 .add(scan.name)
+                                 .add(scan.date)
+                                 .add(maps.layout)
+                                 .add(maps.overlay)
+                                 .add(scale_source(scale))
+                                 .add(derived_sha256(scan, "raster", kName))
+                                 .hex();
+  if (!folder.wants(file, source)) return {};
+  RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(maps.store, maps.snapshot, scan, kName));
+  formats::PictureOptions picture;
+  picture.scale = scale;
+  picture.title = maps.block.block;
+  picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
+  return formats::write_plan_picture(raster, formats::block_overlay(maps.block), folder.path(file), picture);
+}
+
 // The rasters of one scan, and the picture of its density map.
-Result<void> export_rasters(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
-                            const BlockProducts& block, const std::string& layout, const std::string& overlay,
-                            const ExportOptions& options, ExportFolder& folder) {
+Result<void> export_rasters(const MapExport& maps, const tile::ScanEntry& scan, ExportFolder& folder) {
   for (const std::string& name : density::raster_names(scan)) {
-    const std::string stem = fmt::format("{}_{}_{}", block.block, scan.scan_id, name);
-    const std::string values = derived_sha256(scan, "raster", name);
-    const bool tiff = options.formats.count("geotiff") > 0 &&
-                      folder.wants(stem + ".tif", Source("geotiff").add(block.crs).add(layout).add(values).hex());
-    const bool png =
-        options.formats.count("png") > 0 && name == "plan_density" &&
-        folder.wants(stem + ".png",
-                     Source("png").add(scan.name).add(scan.date).add(layout).add(overlay).add(values).hex());
-    const bool plain =
-        options.formats.count("geotiff-plain") > 0 &&
-        folder.wants(stem + "_plain.tif", Source("geotiff-plain").add(block.crs).add(layout).add(values).hex());
-    if (!tiff && !plain && !png) continue;
-    if (tiff || plain) {
-      RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
-      formats::GeoTiffOptions write;
-      write.metadata = {{"scan_id", scan.scan_id},
-                        {"scan_date", scan.date},
-                        {"snapshot", std::to_string(block.snapshot)},
-                        {"source_sha256", values}};
-      if (tiff) RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + ".tif"), write));
-      write.profile = formats::GeoTiffOptions::Profile::plain;
-      if (plain) RAYFIELD_CHECK(write_map(raster, block.crs, folder.path(stem + "_plain.tif"), write));
-    }
-    if (png) {
-      RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, name));
-      formats::PictureOptions picture;
-      picture.title = block.block;
-      picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
-      RAYFIELD_CHECK(
-          formats::write_plan_picture(raster, formats::block_overlay(block), folder.path(stem + ".png"), picture));
-    }
+    RAYFIELD_CHECK(export_raster(maps, scan, name, folder));
+    if (name == "plan_density" && maps.wants("png")) RAYFIELD_CHECK(export_plan_picture(maps, scan, folder));
   }
   return {};
 }
@@ -158,13 +201,31 @@ Result<void> export_sections(const tile::Store& store, const tile::Snapshot& sna
   return {};
 }
 
+// What the project in the GeoPackage shows: maps that this export writes, or that lie in the folder already.
+formats::GeoPackageOptions geopackage_options(const tile::Snapshot& snapshot, const BlockProducts& block,
+                                              const BlockScales& scales, const ExportFolder& folder,
+                                              const ExportOptions& options) {
+  formats::GeoPackageOptions write;
+  write.panel_scale = scales.at("leaf_area_per_m");
+  write.project = true;
+  for (const ScanResults& results : block.scans) {
+    const std::string& scan_id = results.scan.scan_id;
+    for (const std::string& name : density::raster_names(*snapshot.find_scan(scan_id))) {
+      const std::string file = fmt::format("{}_{}_{}.tif", block.block, scan_id, name);
+      if (options.formats.count("geotiff") == 0 && !folder.has(file)) continue;
+      write.maps.push_back({scan_id, name, product_unit(name), file, scales.at(name)});
+    }
+  }
+  return write;
+}
+
 // Products of all dates in one file, and of single dates.
-Result<void> export_tables(const BlockProducts& block, const std::string& content,
-                           const std::optional<std::string>& carry_over_from, const ExportOptions& options,
-                           ExportFolder& folder) {
+Result<void> export_tables(const BlockProducts& block, const formats::GeoPackageOptions& write,
+                           const std::string& content, const std::optional<std::string>& carry_over_from,
+                           const ExportOptions& options, ExportFolder& folder) {
   if (const std::string name = block.block + ".gpkg";
       options.formats.count("gpkg") > 0 && folder.wants(name, content)) {
-    RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name)));
+    RAYFIELD_CHECK(formats::write_geopackage(block, folder.path(name), write));
     if (carry_over_from) RAYFIELD_CHECK(formats::carry_over(*carry_over_from, folder.path(name)));
   }
   return export_exchange(block, content, options, folder);
@@ -201,21 +262,26 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, scan_ids));
   RAYFIELD_ASSIGN(const auto carry_over_from, additions_to_keep(store, block, folder, options));
 
+  RAYFIELD_ASSIGN(const BlockScales scales, fit_block_scales(store, snapshot, progress));
+
   progress.stage("export", scan_ids.size() + 1, "steps");
-  RAYFIELD_CHECK(export_tables(block, content, carry_over_from, options, output));
+  const auto write = geopackage_options(snapshot, block, scales, output, options);
+  RAYFIELD_CHECK(export_tables(block, write, content, carry_over_from, options, output));
   progress.advance(1);
-  const std::string layout = layout_source(snapshot), overlay = overlay_source(block), posts = posts_source(block);
+  const MapExport maps{store, snapshot, block, scales, options, layout_source(snapshot), overlay_source(block)};
+  const std::string posts = posts_source(block);
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
     const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
-    RAYFIELD_CHECK(export_rasters(store, snapshot, scan, block, layout, overlay, options, output));
+    RAYFIELD_CHECK(export_rasters(maps, scan, output));
     const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
     // A scan that shows no row has neither half metres nor sections.
     if (options.formats.count("png") > 0 && !results.row_metres.empty())
       RAYFIELD_CHECK(export_sections(store, snapshot, scan, block, sections, output));
     progress.advance(1);
   }
+  if (options.formats.count("geotiff") > 0) RAYFIELD_CHECK(export_stac(store, snapshot, block, content, output));
   RAYFIELD_CHECK(output.publish(snapshot.number, content));
   return ExportReport{snapshot.number, output.products(), output.written_count()};
 }

@@ -20,6 +20,8 @@ constexpr const char* kWhat = "cannot export";
 constexpr const char* kFormat = "rayfield-products";
 constexpr int kVersionOfList = 1;
 
+bool is_style(const std::string& name) { return name.ends_with(".qml"); }
+
 bool is_there(const fs::path& path, std::uint64_t size, const std::string& sha256) {
   std::error_code error;
   if (fs::file_size(path, error) != size || error) return false;
@@ -73,22 +75,27 @@ bool ExportFolder::holds(const std::string& content) {
                                  [this](const std::string& name) { return intact(name); });
   if (whole)
     std::copy_if(listed_products_.begin(), listed_products_.end(), std::back_inserter(names_),
-                 [](const std::string& name) { return !name.ends_with(".qml"); });
+                 [](const std::string& name) { return !is_style(name); });
   return whole;
 }
 
 bool ExportFolder::wants(const std::string& name, const std::string& source) {
-  names_.push_back(name);
+  if (!is_style(name)) names_.push_back(name);
   sources_[name] = source;
   const auto found = listed_.find(name);
   const bool kept = keep_ && found != listed_.end() && found->second.source == source && intact(name);
-  if (!kept) ++written_;
+  if (!kept && !is_style(name)) ++written_;
   return !kept;
+}
+
+bool ExportFolder::has(const std::string& name) const {
+  std::error_code ignored;
+  return fs::exists(folder_ / name, ignored);
 }
 
 Result<void> ExportFolder::publish(std::uint64_t snapshot, const std::string& content) {
   RAYFIELD_ASSIGN(const std::vector<formats::ProductFile> files, products_.files());
-  std::string source;  // a style has no source of its own: it comes with the raster before it
+  std::string source;  // a style without one of its own came with its raster
   for (const formats::ProductFile& file : files) {
     const fs::path raster = fs::path(file.name).replace_extension(".tif");
     const auto own = sources_.find(file.name), with = sources_.find(raster.string());

@@ -23,8 +23,10 @@ class ExportFolder {
   bool holds(const std::string& content);
 
   /// Whether to write a product: true, unless it is kept because the folder holds it, made of `source` and unchanged
-  /// since. `source` names everything that the product depends on.
+  /// since. `source` names everything that the product depends on. Styles (`.qml`) do not count as products.
   bool wants(const std::string& name, const std::string& source);
+  /// Whether the folder holds a file of that name, of this or of an earlier export.
+  bool has(const std::string& name) const;
   /// Where to write it.
   std::string path(const std::string& name) const { return products_.path(name); }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "formats/geopackage/gpkg_own.h"
+#include "formats/geopackage/gpkg_project.h"
 #include "formats/io/guard.h"
 #include "formats/io/text_escape.h"
 #include "rayfield/formats/geopackage.h"
@@ -88,6 +89,21 @@ class Carrier {
     return copy_rows("layer_styles", theirs, {"id"});
   }
 
+  // A project that users saved under the name of ours gets one that says when.
+  Result<void> copy_projects() const {
+    RAYFIELD_CHECK(run(kCreateProjectTable));
+    // Without ':' and brackets, which QGIS does not always find again.
+    const std::string time =
+        "replace(replace(substr(CAST(metadata AS TEXT), instr(CAST(metadata AS TEXT), '_time\": \"') + 9, 19), 'T', ' "
+        "'), "
+        "':', '.')";
+    return run(
+        fmt::format("INSERT INTO main.{0} (name, metadata, content) SELECT CASE WHEN name IN "
+                    "(SELECT name FROM main.{0}) THEN name || ' saved ' || ifnull({1}, 'by a user') ELSE name END, "
+                    "metadata, content FROM old.{0} WHERE {2}",
+                    kProjectTable, time, kProjectOfUsers));
+  }
+
  private:
   Names columns(const char* file, const std::string& table) const {
     return old(fmt::format("SELECT name FROM pragma_table_info({}, '{}')", sql_literal(table), file));
@@ -112,6 +128,7 @@ Result<void> carry(const Carrier& carrier, const Additions& added) {
   for (const std::string& table : added.tables) RAYFIELD_CHECK(carrier.copy_table(table));
   for (const std::string& view : added.views) RAYFIELD_CHECK(carrier.copy_view(view));
   if (!added.styles.empty()) RAYFIELD_CHECK(carrier.copy_styles());
+  if (!added.projects.empty()) RAYFIELD_CHECK(carrier.copy_projects());
   return {};
 }
 
@@ -120,6 +137,11 @@ Result<void> check_counts(const Carrier& carrier, const Additions& added, const 
   for (const std::string& table : added.tables)
     good = good && carrier.old("SELECT count(*) FROM main." + quoted(table)) ==
                        carrier.old("SELECT count(*) FROM old." + quoted(table));
+  if (!added.projects.empty()) {
+    const Names here =
+        carrier.old(fmt::format("SELECT count(*) FROM main.{} WHERE {}", kProjectTable, kProjectOfUsers));
+    good = good && here == Names{std::to_string(added.projects.size())};
+  }
   if (good) return {};
   return fail(ErrorCode::internal, kWhat, target, "tables of users did not come over whole",
               "move the file, and report this");

@@ -72,7 +72,7 @@ Result<void> add_layer_styles(const OpenGeoPackage& package, std::span<const Sty
     row.SetField("styleName", style.name.c_str());
     row.SetField("styleQML", style.qml.c_str());
     row.SetField("styleSLD", "");
-    row.SetField("useAsDefault", 1);
+    row.SetField("useAsDefault", style.is_default ? 1 : 0);
     row.SetField("description", style.name.c_str());
     row.SetField("owner", "rayfield");
     if (has_time) row.SetField(row.GetFieldIndex("update_time"), &changed);

@@ -7,7 +7,8 @@
 
 #include "formats/geopackage/gpkg_describe.h"
 #include "formats/geopackage/gpkg_own.h"
-#include "formats/gis/qml.h"
+#include "formats/geopackage/gpkg_project.h"
+#include "formats/gis/block_styles.h"
 #include "formats/io/text_escape.h"
 
 namespace rayfield::formats::gpkg {
@@ -45,35 +46,32 @@ Result<void> create_view(const OpenGeoPackage& package, const std::string& time)
                  "WHERE table_name = 'panel'");
 }
 
-std::vector<Style> styles(const BlockProducts& block) {
-  constexpr Rgba kRowGreen{60, 110, 60, 255}, kPanelGrey{90, 90, 90, 255}, kPostBrown{120, 80, 50, 255};
-  const ColorScale scale = product_scale("leaf_area_per_m", 0, 0);
-  const std::string label = "leaf area per metre of row, m²/m";
-  std::vector<Style> all = {
-      {"vine_row", "rows", qml::line_style(kRowGreen, 0.4, "\"row_number\"")},
-      {"panel", "outlines", qml::outline_style(kPanelGrey, "concat(\"row_number\", '/', \"panel_number\")")},
-      {"post", "posts", qml::point_style(kPostBrown, 1.2)},
-      {"row_metre", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, true, "scan_date"})},
-      {"panel_by_date", label, qml::graduated_style({"leaf_area_per_m", label, scale, 12, false, "scan_date"})}};
+/// The default of every layer, and a second style where there are values.
+std::vector<Style> styles(const BlockProducts& block, const ColorScale& scale) {
+  std::vector<Style> all = {{"vine_row", "rows", qml::document(row_style())},
+                            {"panel", "outlines", qml::document(panel_style())},
+                            {"post", "posts", qml::document(post_style())}};
+  for (const auto& [table, points] : {std::pair{"row_metre", true}, std::pair{"panel_by_date", false}}) {
+    all.push_back({table, kLeafAreaWords, qml::document(panel_value_style(scale, points, "scan_date"))});
+    all.push_back({table, kRelativeStyle, qml::document(panel_relative_style(points, "scan_date")), false});
+  }
   if (!block.scans.empty()) {
     const std::string column = wide_column(block, block.scans.size() - 1);
-    all.push_back({"panel_wide", column, qml::graduated_style({column, label, scale, 12, false, {}})});
+    all.push_back({"panel_wide", column, qml::document(qml::graduated_style({column, scale}))});
   }
   return all;
 }
 
-Result<void> add_styles(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
-  return add_layer_styles(package, styles(block), time);
-}
-
 }  // namespace
 
-Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const std::string& time) {
+Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const GeoPackageOptions& options,
+                    const std::string& time) {
   RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_panel_value_panel ON panel_value (panel_uid, scan_date)"));
   RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
   RAYFIELD_CHECK(create_view(package, time));
   RAYFIELD_CHECK(describe_columns(package, block));
-  RAYFIELD_CHECK(add_styles(package, block, time));
+  RAYFIELD_CHECK(add_layer_styles(package, styles(block, options.panel_scale), time));
+  if (options.project) RAYFIELD_CHECK(add_project(package, block, options, time));
   return add_metadata(package, block);
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "formats/geopackage/gpkg_project.h"
 #include "formats/io/guard.h"
 #include "formats/io/text_escape.h"
 #include "rayfield/formats/geopackage.h"
@@ -39,7 +40,8 @@ using Tables = std::map<std::string, Names>;  // columns by table
 constexpr const char* kTablesItem = "rayfield_tables";
 constexpr const char* kOwner = "rayfield";
 
-// Tables of SQLite, of GeoPackage and of R-trees come and go with the tables that people see.
+// Tables of SQLite, of GeoPackage and of R-trees come and go with the tables that people see; projects are told apart
+// one by one.
 bool is_bookkeeping(const std::string& table) {
   return table.starts_with("sqlite_") || table.starts_with("gpkg_") || table.starts_with("rtree_");
 }
@@ -47,7 +49,7 @@ bool is_bookkeeping(const std::string& table) {
 Tables tables_in(GDALDataset& dataset) {
   Tables tables;
   for (const std::string& table : query(dataset, "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')")) {
-    if (is_bookkeeping(table)) continue;
+    if (is_bookkeeping(table) || table == gpkg::kProjectTable) continue;
     tables[table] = query(dataset, "SELECT name FROM pragma_table_info(" + sql_literal(table) + ")");
   }
   return tables;
@@ -136,7 +138,8 @@ Result<std::optional<ExistingGeoPackage>> inspect(const std::string& path) {
     return existing;
   }
   existing.lost = added->columns;
-  existing.has_additions = !added->tables.empty() || !added->views.empty() || !added->styles.empty();
+  existing.has_additions =
+      !added->tables.empty() || !added->views.empty() || !added->styles.empty() || !added->projects.empty();
   existing.scan_ids = query(*dataset, "SELECT scan_id FROM scan ORDER BY scan_date, scan_id");
   return existing;
 }
@@ -153,6 +156,7 @@ std::optional<Additions> additions_in(GDALDataset& dataset) {
                             views_in(dataset));
   added.styles =
       query(dataset, fmt::format("SELECT styleName FROM layer_styles WHERE owner IS NULL OR owner <> '{}'", kOwner));
+  added.projects = query(dataset, fmt::format("SELECT name FROM {} WHERE {}", kProjectTable, kProjectOfUsers));
   return added;
 }
 

@@ -12,8 +12,9 @@ namespace rayfield::formats::gpkg {
 /// What somebody else put into a GeoPackage of ours, by name.
 struct Additions {
   std::vector<std::string> tables, views;
-  std::vector<std::string> styles;   ///< of layer_styles
-  std::vector<std::string> columns;  ///< of our own tables, in words
+  std::vector<std::string> styles;    ///< of layer_styles
+  std::vector<std::string> projects;  ///< of qgis_projects
+  std::vector<std::string> columns;   ///< of our own tables, in words
 };
 /// Nothing where the file is none of ours.
 std::optional<Additions> additions_in(GDALDataset& dataset);

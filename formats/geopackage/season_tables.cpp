@@ -94,7 +94,7 @@ Result<void> finish_changes(const gpkg::OpenGeoPackage& package, const std::stri
   const std::string column = "leaf_change_per_m", label = "change of the leaf area per metre of row, m²/m";
   const ColorScale scale = product_scale(column, 0, 0);
   const std::array<gpkg::Style, 1> styles = {
-      {{"panel_change", label, qml::graduated_style({column, label, scale, 12, false, {}})}}};
+      {{"panel_change", label, qml::document(qml::graduated_style({column, scale}))}}};
   return gpkg::add_layer_styles(package, styles, time);
 }
 

@@ -187,7 +187,7 @@ Result<void> publish_all(const Job& job, const std::string& file, const RasterSt
   if (job.options.write_style) {
     const ColorScale scale =
         job.options.scale.value_or(product_scale(job.layout.name, statistics.minimum(), statistics.maximum()));
-    const std::string style = qml::raster_style(scale, job.layout.unit);
+    const std::string style = qml::document(qml::raster_style(scale, job.layout.unit));
     RAYFIELD_CHECK(write_whole_file(job.staged.path("style.qml"), std::as_bytes(std::span(style)), kWhat));
   }
   // GDAL would prefer an older file's sidecar statistics to those inside the new one.
@@ -270,6 +270,14 @@ Result<void> write_cog(const RasterProduct& raster, const std::string& crs, cons
   const Grid2<float>& grid = raster.grid;
   return write_grid({raster.name, raster.unit, raster.description, grid.origin, grid.cell_m, grid.nx, grid.ny}, grid,
                     crs, path, options);
+}
+
+Result<void> write_raster_style(const ColorScale& scale, const std::string& unit, const std::string& path) {
+  constexpr std::string_view kStyleWhat = "cannot write style";
+  return guarded(kStyleWhat, path, [&]() -> Result<void> {
+    RAYFIELD_CHECK(GeoTiffOptions{.scale = scale}.validate());
+    return write_file_atomically(path, qml::document(qml::raster_style(scale, unit)), kStyleWhat);
+  });
 }
 
 Result<void> write_section_cog(const SectionProduct& section, const std::string& path, const GeoTiffOptions& options) {

@@ -49,6 +49,26 @@ TEST(ExportFolder, KeepsWhatIsMadeOfTheSameAndWritesTheRest) {
   EXPECT_THAT(export_to(folder, false, 3, "z", "y"), ElementsAre("a.csv", "b.tif")) << "a plain export writes all";
 }
 
+TEST(ExportFolder, AStyleWithASourceOfItsOwnChangesAloneAndIsNoProduct) {
+  const Folder folder;
+  const auto export_style = [&](const std::string& colours) {
+    auto output = ExportFolder::open(folder.path(), "block", true);
+    const bool raster = output->wants("b.tif", "y"), style = output->wants("b.qml", colours);
+    if (raster) write_file(output->path("b.tif"), "raster");
+    if (style) write_file(output->path("b.qml"), colours);
+    EXPECT_THAT(output->products(), ElementsAre(folder.path("b.tif")));
+    EXPECT_EQ(output->written_count(), raster ? 1U : 0U);
+    EXPECT_TRUE(output->publish(1, "y" + colours));
+    return std::pair(raster, style);
+  };
+  EXPECT_EQ(export_style("green"), std::pair(true, true));
+  EXPECT_EQ(export_style("green"), std::pair(false, false));
+  EXPECT_EQ(export_style("blue"), std::pair(false, true));
+  EXPECT_EQ(read_file(folder.path("b.qml")), "blue");
+  EXPECT_TRUE(holds(folder, "yblue"));
+  EXPECT_FALSE(holds(folder, "ygreen"));
+}
+
 TEST(ExportFolder, WhatWasChangedOrRemovedSinceIsWrittenAgain) {
   const Folder folder;
   export_to(folder, true, 1, "x", "y");

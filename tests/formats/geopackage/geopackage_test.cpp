@@ -297,8 +297,9 @@ TEST(GeoPackage, EverySpatialLayerHasADefaultStyleAndPanelsHaveFixedClasses) {
   const std::string style = "SELECT styleQML FROM layer_styles WHERE f_table_name = 'panel_by_date'";
   EXPECT_NE(a.value(style).find("attr=\"leaf_area_per_m\""), std::string::npos);
   const auto limits = class_limits(a.value(style));
-  ASSERT_EQ(limits.size(), 12U);
-  EXPECT_EQ(limits[3], std::pair(1.5, 2.0));  // 0 … 6 m²/m in twelve classes
+  ASSERT_EQ(limits.size(), 13U);
+  EXPECT_EQ(limits[0].second, 0.06) << "nothing, without fill";
+  EXPECT_EQ(limits[4], std::pair(1.5, 2.0));  // 0 … 6 m²/m in twelve classes
   EXPECT_EQ(limits, class_limits(b.value(style)));
 }
 

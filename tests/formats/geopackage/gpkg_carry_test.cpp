@@ -111,6 +111,39 @@ TEST(GeoPackageCarriesOver, TablesLayersViewsStylesAndProjectsOfUsers) {
   EXPECT_THAT(reader.values("SELECT count(*) FROM \"rtree_soil pits_geom\""), ElementsAre("5"));
 }
 
+TEST(GeoPackageCarriesOver, ProjectsOfUsersWhileOursIsMadeAnew) {
+  const TemporaryFolder folder;
+  const BlockProducts one = make_block(2, 3, {"2018-12-12"}), both = make_block(2, 3, {"2018-12-12", "2019-02-11"});
+  GeoPackageOptions options;
+  options.project = true;
+  ASSERT_TRUE(write_geopackage(one, folder / "0.gpkg", options));
+  EXPECT_FALSE((*inspect_geopackage(folder / "0.gpkg"))->has_additions) << "our own project is no addition";
+  {
+    const Editor editor(folder / "0.gpkg");
+    editor.run(
+        "INSERT INTO qgis_projects VALUES ('spraying', '{\"last_modified_user\": \"ann\" }', '50'), "
+        "('pruning', NULL, '4b')");
+    // QGIS's Save, into the project that rayfield wrote.
+    editor.run(
+        "UPDATE qgis_projects SET content = '5a', metadata = '{\"last_modified_time\": \"2019-03-01T08:00:00\", "
+        "\"last_modified_user\": \"ann\" }' WHERE name = 'block a'");
+  }
+  EXPECT_TRUE((*inspect_geopackage(folder / "0.gpkg"))->has_additions);
+  for (int i = 1; i <= 2; ++i) {
+    const std::string from = folder / (std::to_string(i - 1) + ".gpkg"), to = folder / (std::to_string(i) + ".gpkg");
+    EXPECT_TRUE(check_replaceable(both, scan_ids, from)) << message(check_replaceable(both, scan_ids, from));
+    ASSERT_TRUE(write_geopackage(both, to, options));
+    const auto carried = carry_over(from, to);
+    ASSERT_TRUE(carried) << message(carried);
+    const Editor reader(to);
+    EXPECT_THAT(reader.values("SELECT name || ' ' || substr(content, 1, 2) FROM qgis_projects ORDER BY name"),
+                ElementsAre("block a 50", "block a saved 2019-03-01 08.00.00 5a", "pruning 4b", "spraying 50"));
+    EXPECT_THAT(reader.values("SELECT length(content) > 1000 FROM qgis_projects WHERE name = 'block a'"),
+                ElementsAre("1"));
+  }
+  expect_valid_geopackage(folder / "2.gpkg");
+}
+
 TEST(GeoPackageCarriesOver, AgainAndAgainAndStaysValid) {
   const TemporaryFolder folder;
   const BlockProducts block = make_block(2, 3, {"2018-12-12", "2019-02-11"});

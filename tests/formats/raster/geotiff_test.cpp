@@ -304,6 +304,20 @@ TEST(GeoTiff, TheStyleHasTheProductsFixedScaleWhateverTheData) {
   EXPECT_FALSE(std::filesystem::exists(folder / "d.qml"));
 }
 
+TEST(GeoTiff, AStyleAloneIsTheOneThatComesWithTheRaster) {
+  const TemporaryFolder folder;
+  RasterProduct raster{"plan_density", "m2/m2", "", Grid2<float>({276000, 6099000}, 0.5, 4, 4, 1.0F)};
+  GeoTiffOptions options;
+  options.scale = ColorScale{0, 15, Ramp::canopy};
+  ASSERT_TRUE(write_cog(raster, "EPSG:7854", folder / "a.tif", options));
+  ASSERT_TRUE(write_raster_style(*options.scale, "m2/m2", folder / "b.qml"));
+  EXPECT_EQ(read_file(folder / "b.qml"), read_file(folder / "a.qml"));
+  EXPECT_EQ(style_range(folder / "b.qml"), std::pair(0.0, 15.0));
+  const auto refused = write_raster_style({1, 1, Ramp::canopy}, "m", folder / "c.qml");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+}
+
 TEST(GeoTiff, ThePlainProfileIsUncompressedAndWithoutOverviews) {
   const TemporaryFolder folder;
   const RasterProduct raster = make_raster(700, 600);

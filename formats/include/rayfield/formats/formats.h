@@ -34,6 +34,8 @@
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV
 #include "rayfield/formats/registry_file.h"   // the registry's rows and posts, to be read back
 #include "rayfield/formats/report.h"          // a block with all its dates as one HTML document
+#include "rayfield/formats/scale_fit.h"       // one colour scale for all dates of a block
 #include "rayfield/formats/season_tables.h"   // what changed between dates: GeoPackage and CSV
+#include "rayfield/formats/stac.h"            // its maps in the words of catalogues
 #include "rayfield/formats/style.h"           // their colours, lines and text
 #include "rayfield/formats/zone_map.h"        // management zones as GeoPackage, GeoJSON and shapefile
