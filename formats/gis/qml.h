@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,14 @@ struct Graduated {
   std::string date_column;  ///< empty: not temporal
 };
 std::string graduated_style(const Graduated& options);
+
+/// Polygons in one colour for each whole number of `column`.
+struct Category {
+  int value = 0;
+  std::string label;
+  Rgba fill;
+};
+std::string category_style(std::string_view column, std::span<const Category> categories);
 
 /// Thin outlines without fill, labelled with an expression (empty: no labels).
 std::string outline_style(const Rgba& color, std::string_view label_expression);
