@@ -204,6 +204,21 @@ LayerStyle relative_style(const Graduated& options, std::string_view date_key) {
                        classes);
 }
 
+LayerStyle category_style(std::string_view column, std::span<const Category> categories) {
+  std::string items, symbols;
+  for (std::size_t i = 0; i < categories.size(); ++i) {
+    const Category& category = categories[i];
+    items += fmt::format("<category symbol=\"{}\" value=\"{}\" type=\"long\" label=\"{}\" render=\"true\"/>\n", i,
+                         category.value, xml_escape(category.label));
+    symbols += fill_symbol(std::to_string(i), category.fill, kOutlineGrey, 0.1);
+  }
+  return vector_style(
+      fmt::format("<renderer-v2 type=\"categorizedSymbol\" attr=\"{}\" enableorderby=\"0\" forceraster=\"0\" "
+                  "symbollevels=\"0\">\n<categories>\n{}</categories>\n<symbols>\n{}</symbols>\n</renderer-v2>\n",
+                  xml_escape(column), items, symbols),
+      {});
+}
+
 LayerStyle outline_style(const Rgba& color, std::string_view label_expression) {
   return single_symbol(fill_symbol("0", {0, 0, 0, 0}, color, 0.2),
                        labeling(label_expression, R"(placement="1" offsetUnits="MM")", true));

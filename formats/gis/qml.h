@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,14 @@ LayerStyle graduated_style(const Graduated& options);
 /// which are strong on a date, whatever the season. `options.scale` is not used; nothing is drawn where the mean is not
 /// above 0. `date_key`: the column by which dates are told apart.
 LayerStyle relative_style(const Graduated& options, std::string_view date_key);
+
+/// Polygons in one colour for each whole number of `column`.
+struct Category {
+  int value = 0;
+  std::string label;
+  Rgba fill;
+};
+LayerStyle category_style(std::string_view column, std::span<const Category> categories);
 
 /// Thin outlines without fill, labelled with an expression (empty: no labels) where the map is larger than 1 : 1500.
 LayerStyle outline_style(const Rgba& color, std::string_view label_expression);

@@ -50,13 +50,20 @@ Result<void> fill_layer(const gpkg::OpenGeoPackage& package, const VectorTable& 
   return {};
 }
 
-Result<void> finish_layer(const gpkg::OpenGeoPackage& package, const VectorTable& table, const std::string& time) {
+std::string zone_style(const ZoneMap& map) {
+  std::vector<qml::Category> categories;
+  for (const ManagementZone& zone : map.zones)
+    categories.push_back({zone.zone,
+                          fmt::format("zone {}, mean {:.2f} {}", zone.zone, zone.mean, pretty_unit(map.unit)),
+                          zone_color(map, zone.zone)});
+  return qml::document(qml::category_style("zone", categories));
+}
+
+Result<void> finish_layer(const gpkg::OpenGeoPackage& package, const VectorTable& table, const ZoneMap& map,
+                          const std::string& time) {
   const std::array<gpkg::Table, 1> tables = {layer_table(table)};
   RAYFIELD_CHECK(gpkg::describe_tables(package, tables));
-  const int classes = static_cast<int>(table.features.size());
-  const ColorScale scale{0.5, classes + 0.5, Ramp::canopy};
-  const std::array<gpkg::Style, 1> styles = {
-      {{table.name, "zone", qml::graduated_style({"zone", "zone", scale, std::max(classes, 1), false, {}})}}};
+  const std::array<gpkg::Style, 1> styles = {{{table.name, "zone", zone_style(map)}}};
   return gpkg::add_layer_styles(package, styles, time);
 }
 
@@ -88,7 +95,7 @@ Result<void> write_zones_geopackage(const ZoneMap& map, const std::string& path)
     const std::string time = gpkg::time_of_change(scans);
     return gpkg::write_file(
         {map.crs, time, [&](const gpkg::OpenGeoPackage& package) { return fill_layer(package, table); },
-         [&](const gpkg::OpenGeoPackage& package) { return finish_layer(package, table, time); },
+         [&](const gpkg::OpenGeoPackage& package) { return finish_layer(package, table, map, time); },
          [&](GdalSession& gdal, const std::string& file) { return check_layer(gdal, file, table, path); }},
         path);
   });

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "formats/gis/to_wgs84.h"
 #include "formats/picture/color.h"
 
@@ -56,10 +53,12 @@ std::vector<VectorColumn> zone_columns(bool with_rates) {
   return columns;
 }
 
+Rgba zone_color(const ZoneMap& map, int zone) {
+  return color_at({0, static_cast<double>(map.zones.size()), Ramp::canopy}, zone - 0.5);
+}
+
 VectorTable zone_table(const ZoneMap& map, const std::optional<Prescription>& rates) {
   VectorTable table{"management_zone", wkbMultiPolygon, zone_columns(rates.has_value()), {}};
-  int last = 1;
-  for (const ManagementZone& zone : map.zones) last = std::max(last, zone.zone);
   for (const ManagementZone& zone : map.zones) {
     std::vector<VectorValue> values = {std::int64_t{zone.zone},
                                        zone.area_m2,
@@ -81,9 +80,8 @@ VectorTable zone_table(const ZoneMap& map, const std::optional<Prescription>& ra
       values.insert(values.begin() + 1, rates->rates[static_cast<std::size_t>(zone.zone - 1)]);
       values.insert(values.end(), {rates->unit, text_or_null(rates->product)});
     }
-    const ColorScale scale{0, static_cast<double>(last), Ramp::canopy};
     table.features.push_back({fmt::format("zone {}", zone.zone), geometry_of(zone), std::move(values),
-                              hex_text(color_at(scale, zone.zone - 0.5))});
+                              hex_text(zone_color(map, zone.zone))});
   }
   return table;
 }

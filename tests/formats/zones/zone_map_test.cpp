@@ -4,6 +4,7 @@
 #include <ogrsf_frmts.h>
 
 #include <cmath>
+#include <memory>
 
 #include "tests/formats/gdal_dataset.h"
 #include "tests/formats/products_support.h"
@@ -52,6 +53,23 @@ TEST(ZoneFiles, ReadBackWithTheirValues) {
   expect_zones(folder / "z.geojson", map, 0);
   expect_zones(folder / "z.shp.zip", map, 5.1e-7);
   testing::expect_valid_geopackage(folder / "z.gpkg");
+}
+
+TEST(ZoneFiles, TheLegendNamesEachZoneWithItsMean) {
+  const TemporaryFolder folder;
+  ZoneMap map = drawn_map(60);
+  for (ManagementZone& zone : map.zones) zone.mean = 1.25 * zone.zone;
+  ASSERT_TRUE(write_zones_geopackage(map, folder / "z.gpkg"));
+  const testing::Dataset dataset = testing::open_dataset(folder / "z.gpkg", GDAL_OF_VECTOR);
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* styles = dataset->ExecuteSQL("SELECT styleQML FROM layer_styles", nullptr, nullptr);
+  ASSERT_NE(styles, nullptr);
+  const std::unique_ptr<OGRFeature> style(styles->GetNextFeature());
+  ASSERT_NE(style, nullptr);
+  const std::string qml = style->GetFieldAsString(0);
+  for (const char* label : {"zone 1, mean 1.25 m²/m", "zone 2, mean 2.50 m²/m", "zone 3, mean 3.75 m²/m"})
+    EXPECT_NE(qml.find(label), std::string::npos) << label;
+  dataset->ReleaseResultSet(styles);
 }
 
 TEST(ZoneFiles, EqualInputGivesEqualBytes) {
