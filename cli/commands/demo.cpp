@@ -131,7 +131,7 @@ Result<Outcome> run_demo(const std::string& folder, const Context& context) {
       logs, block, maps);
   RAYFIELD_CHECK(report_truth(store, scans, outcome));
   outcome.text += fmt::format(
-      "\nOpen in QGIS: {}/demo_block.gpkg (layer panel_by_date comes coloured)\n"
+      "\nOpen in QGIS: {}/demo_block.gpkg (the project in it)\n"
       "         and: {}/demo_block_{}_plan_density.tif\n"
       "Look at:      {}/demo_block_{}_plan_density.png\n"
       "In a browser: {}\n",

@@ -137,7 +137,7 @@ LayerStyle raster_style(const ColorScale& scale, std::string_view unit) {
   std::string items, middle_stops;
   const double last = static_cast<double>(ramp_stops(scale.ramp).size() - 1);
   std::vector<double> stops;
-  for (double i = 0; i <= last; ++i) stops.push_back(scale.low + i / last * (scale.high - scale.low));
+  for (int i = 0; i <= static_cast<int>(last); ++i) stops.push_back(scale.low + i / last * (scale.high - scale.low));
   const auto color = [&scale](double value) {
     Rgba c = color_at(scale, value);
     c.a = static_cast<std::uint8_t>(alpha_at(scale, value));
