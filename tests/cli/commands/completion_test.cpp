@@ -84,6 +84,7 @@ TEST_F(Completion, BashOffersCommandsOptionsAndWhatTheyMayBe) {
   EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "geot"}), Words{"geotiff"});
   EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "png,geot"}), Words{"png,geotiff"});
   EXPECT_EQ(offered({"rayfield", "completion", "f"}), Words{"fish"});
+  EXPECT_EQ(offered({"rayfield", "registry", "ren"}), Words{"rename"});
   EXPECT_EQ(offered({"rayfield", "help", "sla"}), Words{"slam"});
   EXPECT_EQ(offered({"rayfield", "process", "my"}), Words{}) << "files are bash's own";
   EXPECT_EQ(offered({"rayfield", "process", "--threads", ""}), Words{}) << "nobody knows what number";
