@@ -98,14 +98,63 @@ Result<Outcome> describe_process(const tile::Store& store, const density::Proces
   return outcome;
 }
 
+nlohmann::ordered_json scan_json(const density::ScanReport& scan) {
+  nlohmann::ordered_json json = {{"scan_id", scan.scan_id},
+                                 {"rays", scan.rays},
+                                 {"plant_area_m2", number_or_null(scan.plant_area_m2)},
+                                 {"panels", scan.panels},
+                                 {"panels_with_value", scan.panels_with_value},
+                                 {"observed_fraction", scan.observed_fraction},
+                                 {"leaf_area_m2", nullptr},
+                                 {"wood_scan_id", nullptr},
+                                 {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
+                                 {"voxel_m", scan.voxel_m},
+                                 {"files_made", scan.files_made},
+                                 {"files_kept", scan.files_kept},
+                                 {"notes", scan.notes}};
+  if (scan.leaf_area_m2) json["leaf_area_m2"] = *scan.leaf_area_m2, json["wood_scan_id"] = scan.wood_scan_id;
+  return json;
+}
+
+// A line with the scan's areas, and its notes below.
+std::string scan_text(const density::ScanReport& scan) {
+  std::string leaf_area;
+  if (scan.leaf_area_m2) {
+    leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
+    leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
+  }
+  std::string text =
+      fmt::format("  {}  {}{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n", scan.scan_id, plant_area_text(scan),
+                  leaf_area, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
+  for (const std::string& note : scan.notes) text += fmt::format("    note: {}\n", note);
+  return text;
+}
+
+// What was made of every scan; those that are as they were share a line unless all is to be told.
+std::string scans_text(const density::ProcessReport& report, bool all) {
+  std::string text = fmt::format("{} rows, {} panels, {} posts{}\n", report.rows, report.panels, report.posts,
+                                 report.layout_is_new ? " (found now, kept from now on)" : "");
+  std::vector<std::string> unchanged;
+  for (const density::ScanReport& scan : report.scans) {
+    if (scan.files_made > 0 || all)
+      text += scan_text(scan);
+    else
+      unchanged.push_back(scan.scan_id);
+  }
+  if (unchanged.empty()) return text;
+  if (unchanged.size() == report.scans.size())
+    return fmt::format("Nothing to process: {}\n", unchanged_text(unchanged));
+  return text + fmt::format("  {}\n", unchanged_text(unchanged));
+}
+
 // Processes the store and reports per scan.
 Result<Outcome> run_process(const ProcessArguments& arguments, const Context& context) {
   RAYFIELD_ASSIGN(const density::ProcessOptions options, options_of(arguments, context));
   RAYFIELD_ASSIGN(tile::Store store, tile::Store::open(arguments.store));
-  Outcome outcome;
   if (context.options.dry_run) return describe_process(store, options);
   RAYFIELD_ASSIGN(const density::ProcessReport report,
                   density::process(store, options, context.command_line, context.progress));
+  Outcome outcome;
   outcome.data = {{"store", arguments.store},
                   {"rows", report.rows},
                   {"panels", report.panels},
@@ -113,43 +162,8 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
                   {"layout_is_new", report.layout_is_new},
                   {"notes", report.notes},
                   {"scans", nlohmann::ordered_json::array()}};
-  outcome.text = fmt::format("{} rows, {} panels, {} posts{}\n", report.rows, report.panels, report.posts,
-                             report.layout_is_new ? " (found now, kept from now on)" : "");
-  std::vector<std::string> unchanged;
-  for (const density::ScanReport& scan : report.scans) {
-    outcome.data["scans"].push_back({{"scan_id", scan.scan_id},
-                                     {"rays", scan.rays},
-                                     {"plant_area_m2", number_or_null(scan.plant_area_m2)},
-                                     {"panels", scan.panels},
-                                     {"panels_with_value", scan.panels_with_value},
-                                     {"observed_fraction", scan.observed_fraction},
-                                     {"leaf_area_m2", nullptr},
-                                     {"wood_scan_id", nullptr},
-                                     {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
-                                     {"voxel_m", scan.voxel_m},
-                                     {"files_made", scan.files_made},
-                                     {"files_kept", scan.files_kept},
-                                     {"notes", scan.notes}});
-    std::string leaf_area;
-    if (scan.leaf_area_m2) {
-      outcome.data["scans"].back()["leaf_area_m2"] = *scan.leaf_area_m2;
-      outcome.data["scans"].back()["wood_scan_id"] = scan.wood_scan_id;
-      leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
-      leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
-    }
-    if (scan.files_made == 0 && context.options.verbose == 0) {
-      unchanged.push_back(scan.scan_id);
-      continue;
-    }
-    outcome.text +=
-        fmt::format("  {}  {}{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n", scan.scan_id, plant_area_text(scan),
-                    leaf_area, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");
-    for (const std::string& note : scan.notes) outcome.text += fmt::format("    note: {}\n", note);
-  }
-  if (unchanged.size() == report.scans.size())
-    outcome.text = fmt::format("Nothing to process: {}\n", unchanged_text(unchanged));
-  else if (!unchanged.empty())
-    outcome.text += fmt::format("  {}\n", unchanged_text(unchanged));
+  for (const density::ScanReport& scan : report.scans) outcome.data["scans"].push_back(scan_json(scan));
+  outcome.text = scans_text(report, context.options.verbose > 0);
   outcome.data["failed"] = failures_json(report);
   for (const density::FailedScan& failed : report.failed) {
     context.progress.warn(failed.error.line());

@@ -225,7 +225,8 @@ void add_registry_command(Commands& commands) {
   command
       ->add_option("ACTION", arguments->action_or_store,
                    "list (the default), rename, import or export; then STORE, and the FILE to import")
-      ->required();
+      ->required()
+      ->type_name("list|rename|import|export");
   command->add_option("STORE", arguments->rest, "Folder of the store, and the file to import")->expected(0, 2);
   command->add_option("-o,--output", arguments->output, "File to export to: .gpkg, .geojson or .csv");
   command->add_option("--block", arguments->block, "New name of the block; products are named after it");

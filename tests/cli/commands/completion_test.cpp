@@ -84,6 +84,7 @@ TEST_F(Completion, BashOffersCommandsOptionsAndWhatTheyMayBe) {
   EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "geot"}), Words{"geotiff"});
   EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "png,geot"}), Words{"png,geotiff"});
   EXPECT_EQ(offered({"rayfield", "completion", "f"}), Words{"fish"});
+  EXPECT_EQ(offered({"rayfield", "registry", "ren"}), Words{"rename"});
   EXPECT_EQ(offered({"rayfield", "help", "sla"}), Words{"slam"});
   EXPECT_EQ(offered({"rayfield", "process", "my"}), Words{}) << "files are bash's own";
   EXPECT_EQ(offered({"rayfield", "process", "--threads", ""}), Words{}) << "nobody knows what number";
@@ -118,8 +119,11 @@ TEST_F(Completion, EveryCommandAndOptionOfTheHelpIsInAllShellsAndInTheManual) {
 TEST_F(Completion, ScriptsAndPagesAreWellFormed) {
   const std::string manual = folder_.path("man");
   ASSERT_EQ(rayfield({"help", "--man", manual}).exit_code, 0);
-  if (has_program("groff")) EXPECT_EQ(shell("groff -ww -man -Tutf8 -z " + manual + "/*.1").out, "");
-  if (has_program("mandoc")) EXPECT_EQ(shell("mandoc -Tlint -Wwarning " + manual + "/*.1").out, "");
+  for (const auto& [name, check] :
+       {std::pair{"groff", "groff -ww -man -Tutf8 -z "}, {"mandoc", "mandoc -Tlint -Wwarning "}}) {
+    if (!has_program(name)) continue;
+    EXPECT_EQ(shell(check + manual + "/*.1").out, "") << name;
+  }
   for (const auto& [name, check] :
        {std::pair{"bash", "bash -n "}, {"zsh", "zsh -n "}, {"fish", "fish --no-execute "}}) {
     if (!has_program(name)) continue;

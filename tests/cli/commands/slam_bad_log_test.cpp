@@ -228,7 +228,7 @@ TEST_F(BadLog, SensorsThatAreNotAwakeTogetherAreSaid) {
 
 // Recording stops mid-chunk, in a header, anywhere: what is whole is used and the loss is said, or the bag is refused.
 TEST_F(BadLog, CutAtAnyByteABagGivesWhatIsWholeOrIsRefused) {
-  const std::string bytes = read_file(log_.bag);
+  const std::string bytes = read_file(damaged({}));  // simulated logs are compressed; here a part of the bytes counts
   int used = 0;
   const auto run_cut = [&](std::size_t length) {
     SCOPED_TRACE("cut at byte " + std::to_string(length));
