@@ -15,7 +15,8 @@ constexpr double kTiffBytes = 6e3;
 constexpr double kPictureBytes = 40e3, kPictureBytesPerMetre = 1.3e3, kPictureBytesPerCell = 1.4;
 // An empty GeoPackage with its tables, styles and indices; a panel and a half metre on one date in each format.
 constexpr double kGeoPackageBytes = 250e3, kGeoPackagePanel = 700, kGeoPackageMetre = 200;
-constexpr double kCsvPanel = 170, kCsvMetre = 75, kGeoJsonPanel = 1000;
+constexpr double kCsvPanel = 350, kCsvMetre = 140, kGeoJsonPanel = 1900, kKmlPanel = 3700;
+constexpr double kShapefilePanel = 500, kFlatGeobufPanel = 900, kGeoParquetPanel = 500;
 
 }  // namespace
 
@@ -36,10 +37,16 @@ Result<Needs> export_needs(const tile::Store& store, const ExportOptions& option
     RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, *pinned, scan, "plan_density"));
     cells = std::max(cells, static_cast<double>(raster.product().grid.nx) * raster.product().grid.ny);
     if (wants("geotiff")) bytes += maps + kTiffBytes * map_count;
+    if (wants("geotiff-plain")) bytes += sizeof(float) * cells * map_count;
     if (wants("png")) bytes += kPictureBytes + kPictureBytesPerMetre * metres + kPictureBytesPerCell * cells;
     if (wants("gpkg")) bytes += kGeoPackagePanel * panels + kGeoPackageMetre * metres;
     if (wants("csv")) bytes += kCsvPanel * panels + kCsvMetre * metres;
     if (wants("geojson")) bytes += kGeoJsonPanel * panels;
+    if (wants("kml")) bytes += kKmlPanel * panels;
+    if (wants("flatgeobuf")) bytes += kFlatGeobufPanel * panels;
+    if (wants("geoparquet")) bytes += kGeoParquetPanel * panels;
+    const auto archives = static_cast<double>(options.profiles.size() + options.formats.count("shp"));
+    bytes += kShapefilePanel * panels * archives;
   }
   // What is there stays until the new products take its place. A picture holds its map.
   const auto disk = static_cast<std::uint64_t>(bytes);
