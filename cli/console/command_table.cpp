@@ -10,6 +10,17 @@
 namespace rayfield::cli {
 namespace {
 
+// The lines below "Example:", without the blanks that they begin with in the help.
+std::string example_of(const std::string& footer) {
+  std::istringstream lines(footer.substr(std::min(footer.find('\n'), footer.size())));
+  std::string example;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin != std::string::npos) example += (example.empty() ? "" : "\n") + line.substr(begin);
+  }
+  return example;
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> words;
   std::istringstream stream(text);
@@ -55,8 +66,7 @@ OptionEntry entry_of(const CLI::Option& option) {
 std::vector<CommandEntry> command_table(const CLI::App& app) {
   std::vector<CommandEntry> table;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    CommandEntry entry{command->get_name(), command->get_description(), command->get_footer(), {}, {}};
-    entry.example = entry.example.substr(std::min(entry.example.find('\n'), entry.example.size() - 1) + 1);
+    CommandEntry entry{command->get_name(), command->get_description(), example_of(command->get_footer()), {}, {}};
     for (const CLI::Option* option : command->get_options()) {
       OptionEntry described = entry_of(*option);
       if (option->get_positional() && described.value == "COMMAND" && described.choices.empty())

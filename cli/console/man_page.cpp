@@ -133,8 +133,7 @@ std::string command_page(const CommandEntry& command, const std::string& version
                      head("rayfield-" + command.name, version, date), roff(command.name), roff(command.meaning),
                      synopsis, roff(command.meaning)) +
          section("ARGUMENTS", arguments) + section("OPTIONS", own) + section("\"COMMON OPTIONS\"", common) +
-         fmt::format(".SH EXAMPLE\n.nf\n{}\n.fi\n.SH SEE ALSO\n.BR rayfield (1)\n",
-                     roff(command.example.substr(command.example.find_first_not_of(' '))));
+         fmt::format(".SH EXAMPLE\n.nf\n{}\n.fi\n.SH SEE ALSO\n.BR rayfield (1)\n", roff(command.example));
 }
 
 }  // namespace rayfield::cli

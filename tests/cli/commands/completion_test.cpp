@@ -81,8 +81,9 @@ TEST_F(Completion, BashOffersCommandsOptionsAndWhatTheyMayBe) {
   EXPECT_EQ(offered({"rayfield", "process", "--thr"}), Words{"--threads"});
   EXPECT_EQ(offered({"rayfield", "status", "--progress", "p"}), Words{"plain"});
   EXPECT_EQ(offered({"rayfield", "status", "--progress", "=", "p"}), Words{"plain"});
-  EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "geot"}), Words{"geotiff"});
-  EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "png,geot"}), Words{"png,geotiff"});
+  EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "flat"}), Words{"flatgeobuf"});
+  EXPECT_EQ(offered({"rayfield", "export", "block", "--format", "png,geot"}),
+            (Words{"png,geotiff", "png,geotiff-plain"}));
   EXPECT_EQ(offered({"rayfield", "completion", "f"}), Words{"fish"});
   EXPECT_EQ(offered({"rayfield", "registry", "ren"}), Words{"rename"});
   EXPECT_EQ(offered({"rayfield", "help", "sla"}), Words{"slam"});
