@@ -27,7 +27,7 @@ double lowest_end(std::string_view product) {
 
 std::vector<double> ends_from(double lowest) {
   std::vector<double> ends;
-  for (double power = 1; power <= 1000; power *= 10)
+  for (const double power : {1.0, 10.0, 100.0, 1000.0})
     for (const double factor : {1.0, 1.5, 2.0, 3.0, 5.0})
       if (lowest > 0 && factor * power >= lowest) ends.push_back(factor * power);
   return ends;
