@@ -87,8 +87,12 @@ TEST(Survey, SurvivesStorage) {
 }
 
 TEST(Survey, RefusesStoredColumnsThatDoNotFitTogether) {
-  tile::ArraySet arrays = survey_to_arrays(testing::survey_all(busy_scene().tiles()).front());
-  std::get<std::vector<std::int32_t>>(arrays.columns["bin_key"]).pop_back();
+  const std::vector<TileSurvey> surveys = testing::survey_all(busy_scene().tiles());
+  const auto low = [](const TileSurvey& a, const TileSurvey& b) { return a.bins.size() < b.bins.size(); };
+  tile::ArraySet arrays = survey_to_arrays(*std::max_element(surveys.begin(), surveys.end(), low));
+  auto& keys = std::get<std::vector<std::int32_t>>(arrays.columns["bin_key"]);
+  ASSERT_FALSE(keys.empty());
+  keys.pop_back();
   const auto back = survey_from_arrays(arrays);
   ASSERT_FALSE(back);
   EXPECT_EQ(back.error().code, ErrorCode::damaged);
