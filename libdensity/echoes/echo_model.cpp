@@ -10,15 +10,17 @@ namespace rayfield::density {
 namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000;
-constexpr std::int64_t kEnoughInner = 2000;
+constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
-constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
-constexpr double kInnerBias = 1.026;     // of inner echoes, over full ones
-constexpr double kMeanError = 0.06;      // relative, of the full echo from the mean echo
-constexpr double kBothError = 0.04;      // from the mean and inner echoes
-constexpr double kWeakestShare = 0.05;   // of the echoes lie below the detection share
-constexpr double kSmearM = 0.054, kSmearPower = 1.5;  // of the apparent side of leaves
+constexpr double kWoodInFullEcho = 1.5;      // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kNearShare = 0.3;           // of the echoes: those of the narrowest beams
+constexpr double kFullError = 0.02;          // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kMeanError = 0.10;          // relative, of the full echo from the mean echo
+constexpr double kWeakestShare = 0.02;       // of the echoes lie below the detection share,
+constexpr double kWeakest = 1.03;            // nearly: where they begin, in detection shares
+constexpr double kOneBeamsClosePairs = 0.2;  // or more, of the echoes
+constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
+constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
 constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
 using Bins = std::array<EchoStatistics::Sum, EchoStatistics::kWidthBins>;
@@ -92,15 +94,18 @@ double leafiness_of(const EchoStatistics& statistics) {
          static_cast<double>(std::max<std::uint64_t>(1, statistics.wood_echoes()));
 }
 
-/// From the echoes of leaves, with the model's detection share and leaves.
-void measure_full_echo(const EchoStatistics& statistics, EchoModel& model) {
+/// From the mean echo, with the model's detection share and leaves, and from full echoes where there are enough,
+/// weighted by their errors.
+void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, EchoModel& model) {
   const Bins near = narrowest(statistics.all());
   const double side_m = std::sqrt(model.leaf_area_m2);
   const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
   model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
-  if (sum_of(statistics.inner()).count >= kEnoughInner) {
-    const double inner = sum_of(narrowest(statistics.inner())).mean() / kInnerBias;
-    model.full_echo = (model.full_echo + inner) / 2, model.full_echo_error = kBothError;
+  if (full.count >= kEnoughFull) {
+    const double error = std::hypot(kFullError, full.error);
+    const double weight = 1 / (error * error), mean_weight = 1 / (kMeanError * kMeanError);
+    model.full_echo = (weight * full.intensity + mean_weight * model.full_echo) / (weight + mean_weight);
+    model.full_echo_error = 1 / std::sqrt(weight + mean_weight);
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
@@ -113,13 +118,20 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
-  const double weakest = quantile(statistics.histogram(), kWeakestShare);
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(narrowest(statistics.all())).mean();
+  // Of lidars with several beams at a time leaves are known too badly for what is right elsewhere to help: without full
+  // echoes and with a weakest echo that is taken too strong, two errors cancel there.
+  const bool one_beam = static_cast<double>(close_pairs(statistics.pairs_from(0))) >
+                        kOneBeamsClosePairs * static_cast<double>(statistics.echoes());
+  const double weakest = one_beam ? quantile(statistics.histogram(), kWeakestShare) / kWeakest
+                                  : quantile(statistics.histogram(), kSeveralBeamsWeakestShare) / kSeveralBeamsWeakest;
+  const auto full =
+      one_beam ? full_echo_strength(statistics.full(), statistics.ground_dependence()) : FullEchoStrength{};
   for (int round = 0; round < kRounds; ++round) {
     model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
     measure_leaves(statistics, known, model);
     if (known.full_echo > 0) break;
-    measure_full_echo(statistics, model);
+    measure_full_echo(statistics, full, model);
   }
   return model;
 }

@@ -31,14 +31,14 @@ struct EchoKnowledge {
 /// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than six to one of a
 /// beam that falls wholly on a post or trunk): canes are thinner than the beam, and nothing here knows by how much.
 ///
-/// Full echo: the mean of two estimates. One is the mean echo of the narrowest third of the beams over the share of the
-/// beam that echoes of random leaves hold (mean_echo_share()); the other, where neighbouring beams follow one another,
-/// the mean inner echo (EchoRun) of the narrowest third over 1.026, since inner echoes are of leaves that face the
-/// lidar. Its error grows with the wood among the echoes. Detection share: the strength that 5 % of the echoes do not
-/// reach. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large by 1 + (D/54
-/// mm)^1.5, D the mean width. Fitted, to seven simulated scans of one kind of canopy with leaves of 59 to 126 mm and
-/// beams of 15 and 37 mm: 1.026, the density behind mean_echo_share(), the 5 %, and the two numbers of the leaves' side
-/// (docs/beams.md).
+/// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
+/// (full_echo_strength()), where there are ten of them; the other, 10 % off, the mean echo of the narrowest third of
+/// the beams over the share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the
+/// wood among the echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with
+/// several beams at a time (few close_pairs()): the mean echo, and the strength that 5 % do not reach. Leaves:
+/// estimate_leaf_size() of pairs of at least half a full echo, whose side is too large by 1 + (D/60 mm)^1.5, D the mean
+/// width. Fitted, to simulated scans (docs/beams.md): the 2 % and 1.03, the two numbers of the leaves' side, and the
+/// density behind mean_echo_share().
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

@@ -7,6 +7,8 @@
 namespace rayfield::density {
 namespace {
 
+constexpr double kUsualCosine = 0.8;  // of full echoes: leaves that face the lidar are found more easily
+
 int level_of(double intensity) {
   if (intensity < 1) return 0;
   return std::min(EchoStatistics::kLevels - 1, static_cast<int>(4 * std::log2(intensity)));
@@ -26,8 +28,29 @@ void EchoStatistics::add_echo(std::uint16_t intensity, double width_m) {
   ++histogram_[intensity];
 }
 
-void EchoStatistics::add_inner_echo(std::uint16_t intensity, double width_m) {
-  inner_[bin_of(width_m)].add(1, intensity);
+void EchoStatistics::add_ground_echo(std::uint16_t intensity, double cosine) {
+  ground_[static_cast<std::size_t>(std::clamp(static_cast<int>(cosine * kCosines), 0, kCosines - 1))].add(1, intensity);
+}
+
+AngleDependence EchoStatistics::ground_dependence() const {
+  constexpr int kAslant = kCosines * 4 / 10, kMiddle = kCosines * 6 / 10, kSteep = kCosines * 8 / 10;  // 66°, 53°, 37°
+  constexpr std::int64_t kEnough = 1000;
+  constexpr double kLeavesDifferError = 0.2;
+  std::array<Sum, 2> sums{};
+  std::array<double, 2> cosine{};
+  for (int bin = kAslant; bin < kCosines; ++bin) {
+    if (bin >= kMiddle && bin < kSteep) continue;
+    const auto side = static_cast<std::size_t>(bin >= kSteep ? 1 : 0);
+    const Sum& sum = ground_[static_cast<std::size_t>(bin)];
+    sums[side].add(sum.count, sum.intensity);
+    cosine[side] += static_cast<double>(sum.count) * (bin + 0.5) / kCosines;
+  }
+  if (std::min(sums[0].count, sums[1].count) < kEnough) return {};
+  for (const std::size_t side : {0, 1}) cosine[side] /= static_cast<double>(sums[side].count);
+  const double slope = (sums[1].mean() - sums[0].mean()) / (cosine[1] - cosine[0]);
+  const double at_leaves = sums[1].mean() - slope * (cosine[1] - kUsualCosine);
+  if (!(at_leaves > 0)) return {};
+  return {std::clamp(slope / at_leaves, -1.0, 2.0), kLeavesDifferError};
 }
 
 void EchoStatistics::add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit) {
@@ -39,8 +62,9 @@ void EchoStatistics::add_pair(std::uint16_t first, std::uint16_t second, double 
 void EchoStatistics::merge(const EchoStatistics& other) {
   for (std::size_t i = 0; i < kWidthBins; ++i) {
     all_[i].add(other.all_[i].count, other.all_[i].intensity);
-    inner_[i].add(other.inner_[i].count, other.inner_[i].intensity);
   }
+  for (std::size_t i = 0; i < kCosines; ++i) ground_[i].add(other.ground_[i].count, other.ground_[i].intensity);
+  add_full_echoes(other.full_);
   wood_echoes_ += other.wood_echoes_;
   for (std::size_t i = 0; i < histogram_.size(); ++i) histogram_[i] += other.histogram_[i];
   for (std::size_t i = 0; i < pairs_.size(); ++i) pairs_[i] += other.pairs_[i];
@@ -54,14 +78,6 @@ LeafSizePairs EchoStatistics::pairs_from(double intensity) const {
   LeafSizePairs sum;
   for (int level = level_of(intensity); level < kLevels; ++level) sum += pairs_[level];
   return sum;
-}
-
-bool EchoRun::push(const Echo& echo) {
-  const bool goes_on = length_ > 0 && std::abs(echo.range_m - last_[0].range_m) < kSurfaceStepM;
-  length_ = goes_on ? std::min(length_ + 1, 5) : 1;
-  std::copy_backward(last_.begin(), last_.end() - 1, last_.end());
-  last_[0] = echo;
-  return length_ == 5;
 }
 
 }  // namespace rayfield::density

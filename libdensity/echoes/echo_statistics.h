@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/leaf_size.h"
 
 namespace rayfield::density {
@@ -28,8 +30,10 @@ class EchoStatistics {
 
   /// An echo on a leaf of a beam that is `width_m` wide there.
   void add_echo(std::uint16_t intensity, double width_m);
-  /// One of those, when the beams beside it ended on the same surface.
-  void add_inner_echo(std::uint16_t intensity, double width_m);
+  /// Those of them of beams that fell wholly on a leaf.
+  void add_full_echoes(std::span<const FullEcho> echoes) { full_.insert(full_.end(), echoes.begin(), echoes.end()); }
+  /// An echo of the ground, by the cosine of the beam to the ground's normal.
+  void add_ground_echo(std::uint16_t intensity, double cosine);
   /// An echo of a beam that falls wholly on a known post or trunk.
   void add_wood_echo() { ++wood_echoes_; }
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
@@ -39,7 +43,10 @@ class EchoStatistics {
   std::uint64_t echoes() const;
   /// [bin of width]
   const std::array<Sum, kWidthBins>& all() const { return all_; }
-  const std::array<Sum, kWidthBins>& inner() const { return inner_; }
+  std::span<const FullEcho> full() const { return full_; }
+  /// How the ground's echoes depend on the angle, with an error for leaves' doing otherwise; the belief of those who
+  /// have not looked where the ground is not seen both steeply and aslant.
+  AngleDependence ground_dependence() const;
   std::uint64_t wood_echoes() const { return wood_echoes_; }
   /// [intensity]: number of echoes
   const std::vector<std::uint32_t>& histogram() const { return histogram_; }
@@ -49,30 +56,13 @@ class EchoStatistics {
   bool operator==(const EchoStatistics&) const = default;
 
  private:
-  std::array<Sum, kWidthBins> all_{}, inner_{};
+  static constexpr int kCosines = 20;
+  std::array<Sum, kWidthBins> all_{};
+  std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
+  std::vector<FullEcho> full_;
   std::uint64_t wood_echoes_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
-};
-
-/// Tells which echoes are inner: the middle one of five beams in a row whose ends lie on one surface.
-class EchoRun {
- public:
-  struct Echo {
-    double range_m = 0;
-    double width_m = 0;
-    std::uint16_t intensity = 0;
-  };
-  /// The next echo. Returns whether the one two before it is inner: inner_echo().
-  bool push(const Echo& echo);
-  const Echo& inner_echo() const { return last_[2]; }
-  /// A beam in between ended elsewhere.
-  void interrupt() { length_ = 0; }
-
- private:
-  static constexpr double kSurfaceStepM = 0.03;  // range between neighbours
-  std::array<Echo, 5> last_{};                   // the latest first
-  int length_ = 0;
 };
 
 }  // namespace rayfield::density

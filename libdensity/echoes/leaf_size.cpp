@@ -16,6 +16,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kSamples = 20000;               // standard error of the two averages below about 0.5 %
 constexpr std::uint64_t kEnoughPairs = 2000;  // standard error of the share of same-leaf pairs about 1 %
+constexpr double kNearestM = 0.01;            // nearer both beams are the same surface whatever its size
+constexpr double kCloseM = 0.04;
 constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
 
 double gaussian(Uniform& uniform) { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * kPi * uniform()); }
@@ -133,13 +135,20 @@ double same_leaf_probability(double distance_m, double side_m, double range_nois
   return same_leaf(kSamples, distance_m, side_m, range_noise_m).centre;
 }
 
+std::uint64_t close_pairs(const LeafSizePairs& pairs) {
+  std::uint64_t sum = 0;
+  for (int b = 0; b < LeafSizePairs::kBins && (b + 1) * LeafSizePairs::kStepM < kCloseM + 1e-9; ++b)
+    sum += pairs.near[static_cast<std::size_t>(b)];
+  return sum;
+}
+
 LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
   static const std::vector<PlaneSample> kSamples = plane_samples();
   LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
-  // lidars with coarse steps. Nearer than 1 cm both beams are the same surface whatever its size.
-  std::vector<Observed> observed = observe(pairs, 0.01, 0.04);
-  if (total_weight(observed) < kEnoughPairs) observed = observe(pairs, 0.01, 0.08);
+  // lidars with coarse steps.
+  std::vector<Observed> observed = observe(pairs, kNearestM, kCloseM);
+  if (total_weight(observed) < kEnoughPairs) observed = observe(pairs, kNearestM, 0.08);
   out.pairs = static_cast<std::uint64_t>(total_weight(observed));
   if (out.pairs < kEnoughPairs) return out;
   double low = kMinSideM, high = kMaxSideM;

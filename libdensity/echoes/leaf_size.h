@@ -44,6 +44,9 @@ struct LeafSize {
 /// Within 15 % for leaves of 35–100 cm² in simulated hedges; canes and wires count as what they look like.
 LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m = 0.012);
 
+/// Pairs up to 4 cm apart. Of lidars with one beam most echoes have one, of lidars with several at a time few.
+std::uint64_t close_pairs(const LeafSizePairs& pairs);
+
 /// Probability that a parallel ray at lateral distance r from a ray that hits a square leaf hits the same leaf,
 /// with a difference of range below the window of LeafSizePairs.
 double same_leaf_probability(double distance_m, double side_m, double range_noise_m);

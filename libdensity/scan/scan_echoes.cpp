@@ -19,6 +19,7 @@ constexpr const char* kKind = "echoes";
 constexpr double kTypicalRangeM = 2;     // from a lane to the row beside it
 constexpr double kThinM = 0.003;         // diameter there
 constexpr double kCountedErrorPerM = 8;  // relative error by the diameter there, where echoes are counted as hits
+constexpr double kMostEchoes = 800000;   // of a tile, from there on a share of its plan is looked at for full ones
 constexpr double kModelError = 0.07;     // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
@@ -33,10 +34,12 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   const auto add_pairs = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { sum.add_pairs(rays); };
   RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
+  empty.keep_leaf_echoes(kMostEchoes / static_cast<double>(std::max<std::uint64_t>(1, entry.hit_count)));
   RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress, add_pairs));
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
+    sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};

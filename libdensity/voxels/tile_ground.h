@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -15,13 +16,22 @@ struct TileGround {
 
   static TileGround of(std::span<const RowSegment> row_segments);
 
+  double height_of(const Eigen::Vector3d& p) const {
+    return p.z() - center.z() - slope.dot(p.head<2>() - center.head<2>());
+  }
+  /// Within what undulation and grass make of the plane.
+  bool is_near(const Eigen::Vector3d& p) const { return std::abs(height_of(p)) < 0.3; }
+  /// Of a unit direction to the normal, without sign.
+  double cosine_to(const Eigen::Vector3d& d) const {
+    return std::abs(slope.dot(d.head<2>()) - d.z()) / std::sqrt(1 + slope.squaredNorm());
+  }
+
   /// Whether a ray that goes on from p in the unit direction d is sure to come back: it goes up (and is kept without a
   /// return) or meets the ground within `reach_m`, even if that falls away by `margin` more than the plane.
   bool sure_to_return(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double reach_m, double margin) const {
     if (d.z() > 0) return true;
-    const double height = p.z() - center.z() - slope.dot(p.head<2>() - center.head<2>());
     const double descent = slope.dot(d.head<2>()) - d.z() - margin;
-    return descent > 0 && height <= descent * reach_m;
+    return descent > 0 && height_of(p) <= descent * reach_m;
   }
 };
 

@@ -57,6 +57,16 @@ struct Gaps {
   }
 };
 
+/// Whether a place is among a share of all places, in squares of half a metre.
+bool is_kept(const Eigen::Vector2d& place, double share) {
+  constexpr double kSquareM = 0.5;
+  const auto number = [](double m) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(m))); };
+  std::uint64_t mixed = number(place.x() / kSquareM) * 0x9E3779B97F4A7C15u ^ number(place.y() / kSquareM);
+  mixed = (mixed ^ (mixed >> 31)) * 0xBF58476D1CE4E5B9u;
+  mixed ^= mixed >> 29;
+  return static_cast<double>(mixed >> 11) * 0x1p-53 < share;
+}
+
 bool same_grid(const RowSegment& a, const RowSegment& b) {
   return a.row == b.row && a.index == b.index && a.shape() == b.shape();
 }
@@ -179,7 +189,6 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   const BeamView* const view = geometry_->view.get();
   EchoStatistics* const statistics = statistics_ ? &*statistics_ : nullptr;
   std::size_t track_hint = 0;
-  EchoRun run;
   bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
   Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -199,7 +208,7 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
           ray.intensity = segments.intensity[i];
         }
         counted = meet(ray, mask);
-        if (statistics != nullptr) add_echo(ray, counted, neighbours, run);
+        if (statistics != nullptr) add_echo(ray, counted);
       }
       if (last_was_leaf && !left_out && !counted.on_wood && neighbours) {
         const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
@@ -214,17 +223,19 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   }
 }
 
-void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted, bool neighbours, EchoRun& run) {
-  if (!counted.hit || !neighbours) run.interrupt();
-  const double range_m = ray.range_m + ray.length, width_m = geometry_->view->beam.diameter_at(range_m);
+void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted) {
+  const double width_m = geometry_->view->beam.diameter_at(ray.range_m + ray.length);
   if (counted.wood != nullptr) {
     const double beside = distance_from_axis(*counted.wood, ray.origin, ray.direction);
     if (beside + width_m / 2 < counted.wood->radius_m) statistics_->add_wood_echo();
   }
+  if (counted.on_ground) statistics_->add_ground_echo(ray.intensity, geometry_->ground.cosine_to(ray.direction));
   if (!counted.hit) return;
   statistics_->add_echo(ray.intensity, width_m);
-  if (run.push({range_m, width_m, ray.intensity}))
-    statistics_->add_inner_echo(run.inner_echo().intensity, run.inner_echo().width_m);
+  const Eigen::Vector3d end = ray.origin + ray.length * ray.direction;
+  if (is_kept(end.head<2>(), kept_share_))
+    leaf_echoes_.push_back({(end - geometry_->ground.center).cast<float>(), ray.direction.cast<float>(),
+                            static_cast<float>(width_m), ray.intensity});
 }
 
 Result<void> VoxelAccumulator::add(const tile::SegmentBatch& segments) {
@@ -246,8 +257,9 @@ void VoxelAccumulator::add_pairs(const tile::SegmentBatch& segments) {
   if (sums_.empty()) return;
   if (geometry_->view && !statistics_) statistics_.emplace();
   for_rays(segments, [this](const Ray& ray, std::vector<std::uint64_t>& mask) -> Counted {
-    if (!ray.hit || !geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return {};
-    return locate_hit(ray, mask);
+    if (!ray.hit) return {};
+    if (geometry_->index.candidates(ray.origin, ray.direction, ray.length, mask.data())) return locate_hit(ray, mask);
+    return {.on_ground = geometry_->ground.is_near(ray.origin + ray.length * ray.direction)};
   });
 }
 
@@ -359,6 +371,7 @@ Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
     return fail(ErrorCode::internal, "cannot merge voxel counts", "tile",
                 "too many segments or different row segments");
   pairs_ += other.pairs_;
+  leaf_echoes_.insert(leaf_echoes_.end(), other.leaf_echoes_.begin(), other.leaf_echoes_.end());
   if (other.statistics_) {
     if (!statistics_) statistics_.emplace();
     statistics_->merge(*other.statistics_);

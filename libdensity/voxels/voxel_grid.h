@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "libdensity/echoes/echo_statistics.h"
+#include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/leaf_size.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/beam_view.h"
@@ -113,8 +115,11 @@ class VoxelAccumulator {
   /// Errors: resources, after 2³²−1 segments.
   Result<void> add(const tile::SegmentBatch& segments);
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
-  /// fitted to it. With a BeamView the strength of the echoes, too.
+  /// fitted to it. With a BeamView the strength of the echoes, too, and the echoes themselves of a share of the places.
   void add_pairs(const tile::SegmentBatch& segments);
+  /// `share`: of the plan, whose echoes add_pairs() keeps for take_leaf_echoes().
+  void keep_leaf_echoes(double share) { kept_share_ = share; }
+  std::vector<LeafEcho> take_leaf_echoes() { return std::exchange(leaf_echoes_, {}); }
   Result<void> merge(const VoxelAccumulator& other);
   TileVoxels finish() &&;
   /// Of add_pairs(); nothing for thin beams.
@@ -143,6 +148,7 @@ class VoxelAccumulator {
   struct Counted {
     bool hit = false;                    ///< in a voxel of this tile
     bool on_wood = false;                ///< the ray ends on masked wood
+    bool on_ground = false;              ///< of add_pairs(): it ends near the ground, and meets no row
     const WoodCylinder* wood = nullptr;  ///< of locate_hit(): which
   };
   /// `mask`: what the ray can meet (VoxelIndex::candidates); cleared.
@@ -152,8 +158,8 @@ class VoxelAccumulator {
   /// As count() of a beam that is not thin: the row segments of candidates_ in the ray's order, and the path behind its
   /// echo. Returns Counted::hit.
   bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
-  /// Into statistics_. `neighbours`: the ray before it is one beam away.
-  void add_echo(const Ray& ray, const Counted& counted, bool neighbours, EchoRun& run);
+  /// Into statistics_ and leaf_echoes_.
+  void add_echo(const Ray& ray, const Counted& counted);
   /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_
   /// and statistics_.
   template <class Meet>
@@ -163,6 +169,8 @@ class VoxelAccumulator {
   std::vector<RowSegmentVoxels> sums_;
   LeafSizePairs pairs_;
   std::optional<EchoStatistics> statistics_;  // once add_pairs() is called with a view
+  std::vector<LeafEcho> leaf_echoes_;
+  double kept_share_ = 0;
   // Of one ray; kept for their memory. Row segments that it can meet, and those that it does.
   std::vector<std::size_t> candidates_;
   std::vector<Met> met_;

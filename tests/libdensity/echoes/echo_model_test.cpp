@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "libdensity/echoes/echo_loss.h"
 
@@ -39,12 +40,31 @@ TEST(EchoModel, TheMeanEchoOfWideBeamsIsTheirShareOfAFullOne) {
   EXPECT_NEAR(model->full_echo, kFull, 0.03 * kFull);
 }
 
-TEST(EchoModel, InnerEchoesCountAsMuchAsTheMeanEcho) {
-  EchoStatistics statistics = whole_leaves(0.001, 1);
-  const double from_mean = estimate_echo_model(statistics, lidar(0.001))->full_echo;
-  for (int i = 0; i < 3000; ++i) statistics.add_inner_echo(static_cast<std::uint16_t>(1.2 * kFull), 0.001);
-  const auto model = estimate_echo_model(statistics, lidar(0.001));
-  EXPECT_NEAR(model->full_echo, (from_mean + 1.2 * kFull / 1.026) / 2, 0.01 * kFull);
+/// Pairs of neighbouring beams 1 to 4 cm apart, most on one leaf.
+void add_close_pairs(EchoStatistics& statistics) {
+  const auto strong = static_cast<std::uint16_t>(kFull);
+  for (int i = 0; i < 6000; ++i)
+    statistics.add_pair(strong, strong, 0.012 + 0.005 * (i % 5), i % 4 == 0 ? 0.2 : 0, true);
+}
+
+TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+  add_close_pairs(statistics);
+  const auto from_mean = estimate_echo_model(statistics, lidar(0.03));
+  for (int i = 0; i < 400; ++i) {
+    const auto cosine = static_cast<float>(0.6 + 0.001 * i);
+    statistics.add_full_echoes(std::vector{FullEcho{static_cast<std::uint16_t>(kFull), 0.01F, cosine, cosine, cosine}});
+  }
+  const auto model = estimate_echo_model(statistics, lidar(0.03));
+  EXPECT_NEAR(model->full_echo, kFull, 0.02 * kFull);  // the mean echo alone says less
+  EXPECT_LT(model->full_echo_error, from_mean->full_echo_error);
+}
+
+TEST(EchoModel, FullEchoesOfLidarsWithSeveralBeamsDoNotCount) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+  const auto before = estimate_echo_model(statistics, lidar(0.03));
+  statistics.add_full_echoes(std::vector(400, FullEcho{static_cast<std::uint16_t>(kFull), 0.01F}));
+  EXPECT_EQ(estimate_echo_model(statistics, lidar(0.03))->full_echo, before->full_echo);
 }
 
 TEST(EchoModel, WhereMostIsWoodLeavesTellNothing) {

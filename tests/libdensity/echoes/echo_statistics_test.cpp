@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace rayfield::density {
 namespace {
@@ -18,7 +19,8 @@ void fill(EchoStatistics& statistics, LeafSizePairs* pairs, int count, std::uint
     const double distance = 0.08 * uniform(rng), delta = 0.4 * uniform(rng) - 0.2;
     const bool hit = uniform(rng) < 0.7;
     statistics.add_echo(first, 0.05 * uniform(rng));
-    if (i % 5 == 0) statistics.add_inner_echo(second, 0.05 * uniform(rng));
+    if (i % 5 == 0) statistics.add_full_echoes(std::vector{FullEcho{second, 0.01F, static_cast<float>(uniform(rng))}});
+    if (i % 3 == 0) statistics.add_ground_echo(second, uniform(rng));
     if (i % 7 == 0) statistics.add_wood_echo();
     statistics.add_pair(first, second, distance, delta, hit);
     if (pairs != nullptr) pairs->add(distance, delta, hit);
@@ -55,18 +57,27 @@ TEST(EchoStatistics, PartsMakeTheWhole) {
   EXPECT_EQ(first, whole);
 }
 
-TEST(EchoRun, InnerIsTheMiddleOneOfFiveOnASurface) {
-  EchoRun run;
-  for (int i = 1; i <= 4; ++i) EXPECT_FALSE(run.push({2.0 + 0.01 * i, 0.03, static_cast<std::uint16_t>(i)})) << i;
-  EXPECT_TRUE(run.push({2.05, 0.03, 5}));
-  EXPECT_EQ(run.inner_echo().intensity, 3);
-  EXPECT_TRUE(run.push({2.05, 0.03, 6}));
-  EXPECT_EQ(run.inner_echo().intensity, 4);
-  EXPECT_FALSE(run.push({2.15, 0.03, 7}));  // a step: another surface
-  for (int i = 8; i <= 10; ++i) EXPECT_FALSE(run.push({2.15, 0.03, static_cast<std::uint16_t>(i)})) << i;
-  run.interrupt();
-  for (int i = 1; i <= 4; ++i) EXPECT_FALSE(run.push({2.15, 0.03, 1})) << i;
-  EXPECT_TRUE(run.push({2.15, 0.03, 1}));
+/// Ground whose echoes are 200·(1 − a·(1 − cosine)) strong.
+EchoStatistics ground(double a, double least_cosine, int count = 20000) {
+  EchoStatistics statistics;
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> cosine(least_cosine, 1);
+  for (int i = 0; i < count; ++i) {
+    const double c = cosine(rng);
+    statistics.add_ground_echo(static_cast<std::uint16_t>(std::lround(200 * (1 - a * (1 - c)))), c);
+  }
+  return statistics;
+}
+
+TEST(EchoStatistics, TheGroundTellsHowEchoesDependOnTheAngle) {
+  EXPECT_NEAR(ground(0, 0.3).ground_dependence().slope, 0, 0.01);
+  EXPECT_NEAR(ground(0.7, 0.3).ground_dependence().slope, 0.7 / (1 - 0.7 * 0.2), 0.02);  // over the echo at 0.8
+  EXPECT_LT(ground(0.7, 0.3).ground_dependence().error, AngleDependence{}.error);
+}
+
+TEST(EchoStatistics, GroundThatIsSeenFromOneAngleTellsNothing) {
+  EXPECT_EQ(ground(0.7, 0.7).ground_dependence().slope, AngleDependence{}.slope);
+  EXPECT_EQ(ground(0.7, 0.3, 2000).ground_dependence().error, AngleDependence{}.error);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ const LidarBeam kBeam{0.0136, 0.0119, {}};
 testing::Drive wide_drive(double leaf_fraction, std::uint64_t seed) {
   sim::Site site = testing::block_site(leaf_fraction, seed);
   site.lidar.beam_diameter_m = kBeam.diameter_m, site.lidar.divergence_mrad = 1000 * kBeam.divergence_rad;
-  site.lidar.detection_share = 0.25;
+  site.lidar.detection_share = 0.25, site.lidar.detection = sim::Detection::returned_energy;
   return testing::drive_past(site);
 }
 

@@ -1,0 +1,236 @@
+#include "libdensity/echoes/full_echoes.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "libdensity/tiles/rounding.h"
+
+namespace rayfield::density {
+namespace {
+
+// Chosen on 24 simulated scans and two of block_b (docs/beams.md).
+constexpr double kNarrowestM = 0.025;              // narrower beams are taken for such: rays are not so close
+constexpr double kRingFrom = 0.8, kRingTo = 1.5;   // diameters of the beam from its axis: where others must have ended
+constexpr double kInside = 1.0;                    // and how far out none may have ended elsewhere
+constexpr int kSectors = 6;                        // of the ring, each with an echo
+constexpr double kFlatM = 0.02;                    // rms of the echoes from their plane, ranges' noise included
+constexpr double kOffPlaneM = 0.03;                // farther from it is elsewhere
+constexpr double kStartM = 0.06, kNearbyM = 0.15;  // along the beam: for the plane, and what is looked at at all
+constexpr double kSameDirection = 0.97;            // cosine: 14°
+constexpr std::size_t kLeastForPlane = 5;
+constexpr double kWidestM = 0.3;  // of beams
+constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
+
+/// Echoes in square columns, sorted by column and height.
+class EchoColumns {
+ public:
+  EchoColumns(std::vector<LeafEcho>& echoes, float side_m) : side_m_(side_m) {
+    std::sort(echoes.begin(), echoes.end(), [this](const LeafEcho& a, const LeafEcho& b) {
+      const auto key = [this](const LeafEcho& e) {
+        return std::tuple(place(e), e.position.x(), e.position.y(), e.intensity, e.direction.x(), e.direction.y());
+      };
+      return key(a) < key(b);
+    });
+    echoes_ = echoes;
+  }
+  /// Calls visit(number of the echo) for all that may be up to the side of a column away.
+  template <class Visit>
+  void for_near(const LeafEcho& echo, Visit visit) const {
+    const auto [ix, iy, z] = place(echo);
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const Place from{ix + dx, iy + dy, z - side_m_}, to{ix + dx, iy + dy, z + side_m_};
+        auto it = std::lower_bound(echoes_.begin(), echoes_.end(), from,
+                                   [this](const LeafEcho& e, const Place& p) { return place(e) < p; });
+        for (; it != echoes_.end() && place(*it) <= to; ++it) visit(static_cast<std::size_t>(it - echoes_.begin()));
+      }
+  }
+
+ private:
+  using Place = std::tuple<int, int, float>;
+  Place place(const LeafEcho& e) const {
+    return {floor_int(e.position.x() / side_m_), floor_int(e.position.y() / side_m_), e.position.z()};
+  }
+  std::span<const LeafEcho> echoes_;
+  float side_m_;
+};
+
+/// An echo near another one, seen along the other's beam.
+struct Neighbour {
+  double x, y, along;  ///< across the beam, and beyond the other one
+  double distance;     ///< √(x² + y²), in diameters of the beam
+  bool even;           ///< one of the two halves
+};
+
+/// Least squares of along = a·x + b·y + c through neighbours and the echo itself.
+class PlaneFit {
+ public:
+  void add(const Neighbour& n) {
+    const Eigen::Vector3d row(n.x, n.y, 1);
+    normal_ += row * row.transpose(), right_ += n.along * row, ++count_;
+  }
+  std::size_t count() const { return count_; }
+  Eigen::Vector3d solve() const {
+    Eigen::Matrix3d m = normal_;
+    m.diagonal() += Eigen::Vector3d(1e-9, 1e-9, 1);  // the echo itself at (0, 0)
+    return m.ldlt().solve(right_);
+  }
+
+ private:
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+  std::size_t count_ = 0;
+};
+
+float cosine_of(const Eigen::Vector3d& plane) {
+  return static_cast<float>(1 / std::sqrt(1 + plane.head<2>().squaredNorm()));
+}
+
+double off_plane(const Neighbour& n, const Eigen::Vector3d& plane) {
+  return n.along - (plane.x() * n.x + plane.y() * n.y + plane.z());
+}
+
+/// Whether the neighbours make a full echo of the one amid them, and its cosines.
+bool is_full(std::span<const Neighbour> neighbours, FullEcho& out) {
+  PlaneFit first_guess;
+  for (const Neighbour& n : neighbours)
+    if (std::abs(n.along) < kStartM) first_guess.add(n);
+  if (first_guess.count() + 1 < kLeastForPlane) return false;
+  const Eigen::Vector3d plane = first_guess.solve();
+  if (std::abs(plane.z()) >= kFlatM) return false;
+  unsigned sectors = 0;
+  double squares = 0;
+  std::array<PlaneFit, 2> halves;
+  for (const Neighbour& n : neighbours) {
+    const double off = off_plane(n, plane);
+    if (std::abs(off) >= kOffPlaneM) {
+      if (n.distance < kInside) return false;
+      continue;
+    }
+    squares += off * off;
+    halves[n.even ? 0 : 1].add(n);
+    const double turn = std::atan2(n.y, n.x) / (2 * std::numbers::pi) + 0.5;
+    if (n.distance > kRingFrom) sectors |= 1u << (floor_int(turn * kSectors) % kSectors);
+  }
+  const std::size_t on_plane = halves[0].count() + halves[1].count();
+  if (sectors != (1u << kSectors) - 1 || squares >= kFlatM * kFlatM * static_cast<double>(on_plane)) return false;
+  if (std::min(halves[0].count(), halves[1].count()) + 1 < kLeastForPlane) return false;
+  out.cosine = cosine_of(plane), out.spread_m = static_cast<float>(std::sqrt(squares / static_cast<double>(on_plane)));
+  out.first_cosine = cosine_of(halves[0].solve()), out.second_cosine = cosine_of(halves[1].solve());
+  return true;
+}
+
+/// The value that a share of the values do not reach.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + floor_int(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+/// Those among the flattest.
+std::vector<FullEcho> flattest(std::span<const FullEcho> echoes) {
+  std::vector<double> spreads;
+  for (const FullEcho& e : echoes) spreads.push_back(static_cast<double>(e.spread_m));
+  const double most_m = kSpreads * quantile(std::move(spreads), kFlattestShare);
+  std::vector<FullEcho> out;
+  std::copy_if(echoes.begin(), echoes.end(), std::back_inserter(out),
+               [most_m](const FullEcho& e) { return static_cast<double>(e.spread_m) <= most_m; });
+  return out;
+}
+
+/// Differences between the echoes of which `instrument` is above its median and the others.
+struct Contrast {
+  double intensity = 0, cosine = 0;
+};
+
+Contrast contrast(std::span<const FullEcho> echoes, float FullEcho::*instrument, float FullEcho::*cosine) {
+  std::vector<double> values;
+  for (const FullEcho& e : echoes) values.push_back(static_cast<double>(e.*instrument));
+  const double middle = median(values);
+  std::array<std::vector<double>, 2> intensity;
+  std::array<double, 2> sum{};
+  for (const FullEcho& e : echoes) {
+    const std::size_t side = static_cast<double>(e.*instrument) > middle ? 1 : 0;
+    intensity[side].push_back(e.intensity), sum[side] += static_cast<double>(e.*cosine);
+  }
+  if (intensity[0].empty() || intensity[1].empty()) return {};
+  const auto mean = [&](std::size_t side) { return sum[side] / static_cast<double>(intensity[side].size()); };
+  return {median(intensity[1]) - median(intensity[0]), mean(1) - mean(0)};
+}
+
+}  // namespace
+
+std::vector<FullEcho> find_full_echoes(std::vector<LeafEcho> echoes) {
+  double widest_m = kNarrowestM;
+  for (const LeafEcho& e : echoes) widest_m = std::max(widest_m, static_cast<double>(e.width_m));
+  // No neighbour is farther away, across the beam and along it.
+  const EchoColumns columns(echoes, static_cast<float>(std::hypot(kRingTo * std::min(widest_m, kWidestM), kNearbyM)));
+  std::vector<FullEcho> out;
+  std::vector<Neighbour> neighbours;
+  for (std::size_t i = 0; i < echoes.size(); ++i) {
+    const LeafEcho& echo = echoes[i];
+    const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
+    const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
+    neighbours.clear();
+    const auto visit = [&](std::size_t j) {
+      const Eigen::Vector3f to = echoes[j].position - echo.position;
+      const auto along = static_cast<double>(to.dot(echo.direction));
+      if (j == i || std::abs(along) >= kNearbyM ||
+          static_cast<double>(echoes[j].direction.dot(echo.direction)) <= kSameDirection)
+        return;
+      const auto x = static_cast<double>(to.dot(across)), y = static_cast<double>(to.dot(third));
+      const double distance = std::hypot(x, y) / width_m;
+      if (distance < kRingTo) neighbours.push_back({x, y, along, distance, j % 2 == 0});
+    };
+    columns.for_near(echo, visit);
+    FullEcho full{echo.intensity};
+    if (is_full(neighbours, full)) out.push_back(full);
+  }
+  return out;
+}
+
+FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDependence& prior) {
+  const std::vector<FullEcho> echoes = flattest(all);
+  FullEchoStrength out;
+  out.count = echoes.size();
+  if (echoes.empty()) return out;
+  std::vector<double> values;
+  double cosine = 0;
+  for (const FullEcho& e : echoes) values.push_back(e.intensity), cosine += static_cast<double>(e.cosine);
+  cosine /= static_cast<double>(echoes.size());
+  const double middle = median(values);
+  if (!(middle > 0)) return out;
+  for (double& v : values) v = std::abs(v - middle);
+  constexpr double kFinest = 1e-3;
+  constexpr double kNormal = 1.4826, kOfMedian = 1.2533;  // spread from absolute deviations; error of a median
+  const double median_error =
+      kOfMedian * kNormal * median(values) / middle / std::sqrt(static_cast<double>(echoes.size()));
+  const Contrast a = contrast(echoes, &FullEcho::first_cosine, &FullEcho::second_cosine);
+  const Contrast b = contrast(echoes, &FullEcho::second_cosine, &FullEcho::first_cosine);
+  const double span = (a.cosine + b.cosine) / 2;
+  out.slope = prior.slope;
+  double slope_error = prior.error;
+  if (span > 0.01) {
+    const double measured = (a.intensity + b.intensity) / 2 / span / middle;
+    const double error = std::max(kFinest, 2 * median_error / span);  // of the difference of two halves' medians
+    const double weight = 1 / (error * error), prior_weight = 1 / (prior.error * prior.error);
+    out.slope = (weight * measured + prior_weight * prior.slope) / (weight + prior_weight);
+    slope_error = 1 / std::sqrt(weight + prior_weight);
+  }
+  constexpr double kMeanCosine = 2.0 / 3;
+  const double step = kMeanCosine - cosine;
+  out.intensity = middle * (1 + out.slope * step);
+  out.error = std::hypot(median_error, slope_error * step);
+  return out;
+}
+
+}  // namespace rayfield::density

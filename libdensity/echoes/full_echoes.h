@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace rayfield::density {
+
+/// An echo on a leaf.
+struct LeafEcho {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();   ///< from any fixed point nearby, m
+  Eigen::Vector3f direction = Eigen::Vector3f::Zero();  ///< of the beam
+  float width_m = 0;                                    ///< of the beam there
+  std::uint16_t intensity = 0;
+};
+
+/// One of a beam that fell wholly on a leaf. Cosines of the angle between the beam and the leaf's normal: from all
+/// echoes around it, and from either half of them, so that errors of the two are independent.
+struct FullEcho {
+  std::uint16_t intensity = 0;
+  float spread_m = 0;  ///< rms of the echoes around it from their plane
+  float cosine = 1, first_cosine = 1, second_cosine = 1;
+  bool operator==(const FullEcho&) const = default;
+};
+
+/// The full echoes among those of one place: an echo is full when all round it, just outside its beam, other beams from
+/// about the same direction ended on one plane through it, and none inside ended elsewhere. In no order that depends on
+/// that of the echoes.
+std::vector<FullEcho> find_full_echoes(std::vector<LeafEcho> echoes);
+
+/// What full echoes tell.
+struct FullEchoStrength {
+  double intensity = 0;   ///< of an echo of leaves that take the whole beam, in the mean over the angles at which rays
+                          ///< meet leaves
+  double error = 0;       ///< its relative standard error
+  double slope = 0;       ///< per unit of the cosine of the angle of incidence, relative
+  std::size_t count = 0;  ///< of full echoes that count
+};
+
+/// A belief about how an echo's intensity depends on the angle of incidence: change per unit of cosine over its median.
+struct AngleDependence {
+  double slope = 0.35;  ///< between no dependence and Lambert's law
+  double error = 0.35;  ///< standard error
+};
+
+/// Of those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them
+/// do not reach), so that bundles of canes are left out: their median, moved from their mean cosine to ⅔, that of rays
+/// that meet leaves of all orientations (hits go with the cosine). The slope on the way: difference of the medians of
+/// the full echoes on either side of the median of one of the two cosines, over that of the means of the other (an
+/// instrument: errors of the angle do not make the slope flatter), weighted with `prior` by their errors.
+FullEchoStrength full_echo_strength(std::span<const FullEcho> echoes, const AngleDependence& prior);
+
+}  // namespace rayfield::density
