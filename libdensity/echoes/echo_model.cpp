@@ -20,6 +20,7 @@ constexpr double kWeakestShare = 0.02;       // of the echoes lie below the dete
 constexpr double kWeakest = 1.03;            // nearly: where they begin, in detection shares
 constexpr double kOneBeamsClosePairs = 0.2;  // or more, of the echoes
 constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
+constexpr double kSeveralBeamsResolutionPath = 0.6;
 constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
 constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
@@ -123,6 +124,7 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   // echoes and with a weakest echo that is taken too strong, two errors cancel there.
   const bool one_beam = static_cast<double>(close_pairs(statistics.pairs_from(0))) >
                         kOneBeamsClosePairs * static_cast<double>(statistics.echoes());
+  if (!one_beam) model.resolution_path = kSeveralBeamsResolutionPath;
   const double weakest = one_beam ? quantile(statistics.histogram(), kWeakestShare) / kWeakest
                                   : quantile(statistics.histogram(), kSeveralBeamsWeakestShare) / kSeveralBeamsWeakest;
   const auto full =

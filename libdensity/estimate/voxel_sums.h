@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,11 +21,20 @@ struct VoxelSums {
 
 std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters);
 
+/// One across a row; the voxels of one follow those of the one before along the row.
+struct CrossSection {
+  std::size_t voxels = 0;
+  double voxel_m = 0;  ///< side
+};
+
 /// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), R the
-/// returned_share() of the voxel's mean beam width and of the optical path before it:
+/// ReturnedShare of the voxel's mean beam width, of the optical path before it, and of that of a range resolution
+/// around the row's echoes:
 ///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes).
-/// The optical path is the row's mean density times the path before: two rounds.
+/// The optical path before is the row's mean density times the path. Around echoes the density is that of their place
+/// in the row's cross section, in the mean along the row (single leaves would count themselves otherwise), unless the
+/// model says its optical path. Both come from the round before: three rounds.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
-                                      const EchoModel& model);
+                                      const CrossSection& section, const EchoModel& model);
 
 }  // namespace rayfield::density

@@ -47,16 +47,19 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 
 std::vector<double> fields_of(const EchoModel& m) {
   return {m.full_echo,      m.full_echo_error, m.detection_share,    m.leaf_area_m2,    m.leaf_measured ? 1.0 : 0.0,
-          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad};
+          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
+          m.resolution_path};
 }
 
 Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>("model"));
   if (f.empty()) return std::nullopt;
-  if (f.size() != fields_of({}).size()) return damaged(arrays, "the model has another number of values");
+  const std::size_t values = fields_of({}).size();
+  const bool is_older = f.size() + 1 == values;  // without a resolution path, before version 3
+  if (f.size() != values && !is_older) return damaged(arrays, "the model has another number of values");
   for (const double x : f)
     if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6], is_older ? 0 : f[10]};
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }

@@ -12,10 +12,10 @@ inline constexpr int kEvidenceVersion = 1;
 inline constexpr int kGeometryVersion = 1;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 3;
-inline constexpr int kEchoesVersion = 2;
+inline constexpr int kEchoesVersion = 3;
 inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
-inline constexpr int kResultsVersion = 5;
+inline constexpr int kResultsVersion = 6;
 inline constexpr int kTotalsVersion = 2;
 inline constexpr int kLeafVersion = 3;
 

@@ -7,7 +7,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kFull = 1000, kSide = 0.08;
+constexpr double kFull = 1000, kSide = 0.08, kVoxel = 0.07;
 
 /// Ten rays, four hits of the same share of a full echo; of 1.5 voxel sides behind them.
 struct Voxel {
@@ -26,10 +26,16 @@ Voxel voxel_with(double share, double width_m) {
   return v;
 }
 
-VoxelSums sums_of(const Voxel& v) {
+EchoModel model_of(double range_resolution_m) {
   EchoModel model;
   model.full_echo = kFull, model.detection_share = 0.25, model.leaf_area_m2 = kSide * kSide, model.echo_variation = 0.2;
-  return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, model).at(0);
+  model.range_resolution_m = range_resolution_m;
+  return model;
+}
+
+/// Of a row of one voxel, of a lidar that tells leaves apart that stand right behind each other.
+VoxelSums sums_of(const Voxel& v) {
+  return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, kVoxel}, model_of(0)).at(0);
 }
 
 TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
@@ -62,13 +68,31 @@ TEST(VoxelSums, OfHalfAnEchoHalfTheBeamRunsOn) {
 TEST(VoxelSums, OfWideBeamsThatIsMissingWhichReturnsNothing) {
   const VoxelSums narrow = sums_of(voxel_with(0.5, 0)), wide = sums_of(voxel_with(0.5, 0.04));
   EXPECT_EQ(wide.hits, narrow.hits);
-  EXPECT_NEAR(wide.path / narrow.path, returned_share(0.04 / kSide, 0.25, 0), 1e-4);
+  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(0.25, 0)(0.04 / kSide, 0), 1e-4);
 }
 
 TEST(VoxelSums, TheDeeperTheMore) {
   Voxel deep = voxel_with(0.5, 0.04);
   deep.echoes.depth = EchoCounters::path_units(8) * EchoCounters::depth_units(6);  // 6 sides of a quarter hit each
   EXPECT_LT(sums_of(deep).path, 0.97 * sums_of(voxel_with(0.5, 0.04)).path);
+}
+
+// Two cross sections of two voxels, one place with twice the hits of the other, voxels alike along the row: hits per
+// path are h and 2 h, the mean over hits (h² + 4 h²)/(h + 2 h) = 5/3 h.
+TEST(VoxelSums, HowManyLeavesMakeAnEchoIsTakenFromTheCrossSection) {
+  const Voxel few = voxel_with(0.5, 0.04);
+  Voxel many = few;
+  many.counters.hits *= 2, many.echoes.echo *= 2;
+  const std::vector counters{few.counters, many.counters, few.counters, many.counters};
+  const std::vector echoes{few.echoes, many.echoes, few.echoes, many.echoes};
+  const auto sums = wide_beam_sums(counters, echoes, {2, kVoxel}, model_of(3 * kVoxel));
+  const VoxelSums narrow = sums_of(voxel_with(0.5, 0));
+  // R is that of the round before; three rounds leave less than a thousandth of it.
+  const double returned = sums[0].path / narrow.path;
+  const double around = 5.0 / 3.0 * narrow.hits / (returned * narrow.path);
+  EXPECT_NEAR(returned, ReturnedShare(0.25, 3 * around)(0.04 / kSide, 0), 2e-3);
+  EXPECT_GT(returned, sums_of(few).path / narrow.path + 0.02);
+  EXPECT_EQ(sums[2].path, sums[0].path);
 }
 
 TEST(VoxelSums, EchoesBrighterThanAFullOneLeaveAPath) {
