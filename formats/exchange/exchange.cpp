@@ -7,6 +7,7 @@
 
 #include "formats/exchange/panel_table.h"
 #include "formats/exchange/shapefile_zip.h"
+#include "formats/gis/descriptor_columns.h"
 #include "formats/gis/measured_columns.h"
 #include "formats/gis/to_wgs84.h"
 #include "formats/gis/vector_file.h"
@@ -43,6 +44,17 @@ std::string place_fields(const BlockProducts& block, const std::string& longitud
   return fmt::format(",{},{},{},{}\n", csv_escape(block.block), csv_escape(block.farm), csv_escape(block.variety),
                      longitude_latitude);
 }
+std::string descriptor_names() {
+  std::string text;
+  for (const DescriptorColumn& column : kDescriptorColumns) text += fmt::format(",{}", column.name);
+  return text;
+}
+std::string descriptor_fields(const CanopyDescriptors& descriptors) {
+  std::string text;
+  for (const DescriptorColumn& column : kDescriptorColumns)
+    text.append(",").append(number_text(descriptors.*column.value, ""));
+  return text;
+}
 std::string place_text(const Eigen::Vector2d& longitude_latitude) {
   return fmt::format("{:.9f},{:.9f}", longitude_latitude.x(), longitude_latitude.y());
 }
@@ -67,7 +79,7 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
   RAYFIELD_ASSIGN(const auto centres, panel_centres(block, to_wgs84));
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
   for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
-  text += ",ray_count,wood_scan_id,block,farm,variety,longitude,latitude\n";
+  text += ",ray_count,wood_scan_id" + descriptor_names() + ",block,farm,variety,longitude,latitude\n";
   std::map<std::string, const PanelProduct*> panels;
   for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
   for (const ScanResults& scan : block.scans) {
@@ -80,6 +92,7 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
       for (const MeasuredColumn& column : kMeasuredColumns)
         text.append(",").append(number_text(value.*column.value, ""));
       text += fmt::format(",{},{}", value.ray_count, csv_escape(value.wood_scan_id));
+      text += descriptor_fields(value.descriptors);
       text += place_fields(block, centres.at(value.panel_uid));
     }
   }
@@ -89,8 +102,9 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
 Result<std::string> row_metres_csv(const BlockProducts& block, const std::string& path) {
   RAYFIELD_ASSIGN(const ToWgs84 to_wgs84, ToWgs84::create(block.crs, kCsvWhat, path));
   std::string text =
-      "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,block,farm,"
-      "variety,longitude,latitude\n";
+      "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,canopy_height_m,"
+      "canopy_width_m" +
+      descriptor_names() + ",block,farm,variety,longitude,latitude\n";
   for (const ScanResults& scan : block.scans) {
     for (const RowMetreProduct& metre : scan.row_metres) {
       RAYFIELD_ASSIGN(const Eigen::Vector2d place,
@@ -99,6 +113,8 @@ Result<std::string> row_metres_csv(const BlockProducts& block, const std::string
                           number_text(metre.position.x(), ""), number_text(metre.position.y(), ""),
                           csv_escape(metre.scan_id), csv_escape(metre.scan_date),
                           number_text(metre.leaf_area_per_m, ""), number_text(metre.plant_area_per_m, ""));
+      text += fmt::format(",{},{}", number_text(metre.canopy_height_m, ""), number_text(metre.canopy_width_m, ""));
+      text += descriptor_fields(metre.descriptors);
       text += place_fields(block, place_text(place));
     }
   }

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "formats/gis/descriptor_columns.h"
 #include "formats/gis/measured_columns.h"
 #include "formats/gis/to_wgs84.h"
 #include "formats/io/text_escape.h"
@@ -22,6 +23,7 @@ std::vector<VectorValue> values_of(const BlockProducts& block, const PanelProduc
   values.insert(values.end(), {value->scan_id, value->scan_date});
   for (const MeasuredColumn& column : kMeasuredColumns) values.emplace_back(value->*column.value);
   values.insert(values.end(), {value->ray_count, text_or_null(value->wood_scan_id)});
+  for (const DescriptorColumn& column : kDescriptorColumns) values.emplace_back(value->descriptors.*column.value);
   return values;
 }
 
@@ -43,6 +45,8 @@ std::vector<VectorColumn> panel_columns() {
     columns.push_back({column.name, column.short_name, OFTReal, column.unit, column.description});
   columns.push_back({"ray_count", "ray_count", OFTInteger64, "", "rays through the panel"});
   columns.push_back({"wood_scan_id", "wood_scan", OFTString, "", kWoodScanDescription});
+  for (const DescriptorColumn& column : kDescriptorColumns)
+    columns.push_back({column.name, column.short_name, OFTReal, column.unit, column.description});
   return columns;
 }
 
@@ -71,17 +75,19 @@ Result<VectorTable> panel_table(const BlockProducts& block, std::size_t scan_ind
   return table;
 }
 
-VectorTable numbers_only(VectorTable table) {
-  VectorTable kept{table.name, table.geometry, {}, {}};
-  for (const VectorColumn& column : table.columns)
-    if (column.is_number()) kept.columns.push_back(column);
+VectorTable reduced_for(VectorTable table, const FarmProfile& profile) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < table.columns.size(); ++i)
+    if (!profile.numbers_only || table.columns[i].is_number()) kept.push_back(i);
+  if (profile.most_columns > 0 && kept.size() > profile.most_columns) kept.resize(profile.most_columns);
+  VectorTable out{table.name, table.geometry, {}, {}};
+  for (const std::size_t i : kept) out.columns.push_back(table.columns[i]);
   for (VectorFeature& feature : table.features) {
     std::vector<VectorValue> values;
-    for (std::size_t i = 0; i < feature.values.size(); ++i)
-      if (table.columns[i].is_number()) values.push_back(std::move(feature.values[i]));
-    kept.features.push_back({feature.label, std::move(feature.geometry), std::move(values), feature.fill});
+    for (const std::size_t i : kept) values.push_back(std::move(feature.values[i]));
+    out.features.push_back({feature.label, std::move(feature.geometry), std::move(values), feature.fill});
   }
-  return kept;
+  return out;
 }
 
 std::string field_dictionary(const std::vector<VectorColumn>& columns) {

@@ -7,6 +7,7 @@
 #include "formats/gis/vector_table.h"
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
+#include "rayfield/formats/farm_profile.h"
 
 namespace rayfield::formats {
 
@@ -18,8 +19,8 @@ std::vector<VectorColumn> panel_columns();
 Result<VectorTable> panel_table(const BlockProducts& block, std::size_t scan_index, std::string_view what,
                                 const std::string& where);
 
-/// The columns that are numbers and no others.
-VectorTable numbers_only(VectorTable table);
+/// The columns that the farm system takes: numbers only, the first of them only.
+VectorTable reduced_for(VectorTable table, const FarmProfile& profile);
 
 /// A line of CSV for each column: name, short name, unit, meaning.
 std::string field_dictionary(const std::vector<VectorColumn>& columns);

@@ -23,23 +23,18 @@ std::string ascii_name(const std::string& name) {
 
 Result<void> check_fits(const VectorTable& table, const FarmProfile& profile, const std::string& path,
                         std::string_view what) {
-  const auto refuse = [&](std::size_t count, const char* of, std::size_t most, const char* next) {
-    return fail(ErrorCode::usage, what, path, fmt::format("{} {}, and {} takes {}", count, of, profile.name, most),
-                next);
-  };
-  if (profile.most_features > 0 && table.features.size() > profile.most_features)
-    return refuse(table.features.size(), "polygons", profile.most_features, "give it zones: see `rayfield zones`");
-  if (profile.most_columns > 0 && table.columns.size() > profile.most_columns)
-    return refuse(table.columns.size(), "columns", profile.most_columns, "choose another --profile");
-  return {};
+  if (profile.most_features == 0 || table.features.size() <= profile.most_features) return {};
+  return fail(ErrorCode::usage, what, path,
+              fmt::format("{} polygons, and {} takes {}", table.features.size(), profile.name, profile.most_features),
+              "give it zones: see `rayfield zones`");
 }
 
 }  // namespace
 
 Result<void> write_shapefile_zip(VectorTable table, const FarmProfile& profile, const std::string& stem,
                                  const std::string& date, const std::string& path, std::string_view what) {
-  if (profile.numbers_only) table = numbers_only(std::move(table));
   RAYFIELD_CHECK(check_fits(table, profile, path, what));
+  table = reduced_for(std::move(table), profile);
   const std::string name = ascii_name(stem);
   RAYFIELD_ASSIGN(std::vector<NamedBytes> files, vector_files(table, shapefile_format(date), name, what, path));
   if (!profile.projection_files)

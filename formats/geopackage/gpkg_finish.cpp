@@ -16,9 +16,9 @@ namespace {
 
 /// The description of every column.
 Result<void> describe_columns(const OpenGeoPackage& package, const BlockProducts& block) {
-  const std::array<Table, 9> tables = {
-      vine_row_table(),  panel_table(),           post_table(),         scan_table(), panel_value_table(),
-      row_metre_table(), panel_wide_table(block), panel_by_date_view(), block_table()};
+  const std::array<Table, 10> tables = {
+      vine_row_table(),  panel_table(),           post_table(),         scan_table(),  panel_value_table(),
+      row_metre_table(), panel_wide_table(block), panel_by_date_view(), block_table(), panel_profile_table()};
   return describe_tables(package, tables);
 }
 
@@ -67,6 +67,7 @@ std::vector<Style> styles(const BlockProducts& block, const ColorScale& scale) {
 Result<void> finish(const OpenGeoPackage& package, const BlockProducts& block, const GeoPackageOptions& options,
                     const std::string& time) {
   RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_panel_value_panel ON panel_value (panel_uid, scan_date)"));
+  RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_panel_profile_panel ON panel_profile (panel_uid, scan_date)"));
   RAYFIELD_CHECK(execute(package, "CREATE INDEX idx_row_metre_row ON row_metre (row_number, scan_date)"));
   RAYFIELD_CHECK(create_view(package, time));
   RAYFIELD_CHECK(describe_columns(package, block));
@@ -88,14 +89,16 @@ Result<void> check_file(GdalSession& gdal, const std::string& path, const BlockP
     dataset->ReleaseResultSet(rows);
     return text;
   };
-  std::size_t values = 0, metres = 0;
-  for (const ScanResults& scan : block.scans) values += scan.panel_values.size(), metres += scan.row_metres.size();
-  const std::array<std::pair<const char*, std::size_t>, 7> expected = {{{"vine_row", block.rows.size()},
+  std::size_t values = 0, metres = 0, bands = 0;
+  for (const ScanResults& scan : block.scans)
+    values += scan.panel_values.size(), metres += scan.row_metres.size(), bands += scan.profile.size();
+  const std::array<std::pair<const char*, std::size_t>, 8> expected = {{{"vine_row", block.rows.size()},
                                                                         {"panel", block.panels.size()},
                                                                         {"post", block.posts.size()},
                                                                         {"scan", block.scans.size()},
                                                                         {"panel_value", values},
                                                                         {"row_metre", metres},
+                                                                        {"panel_profile", bands},
                                                                         {"panel_wide", block.panels.size()}}};
   bool good = value("PRAGMA integrity_check") == "ok";
   for (const auto& [table, count] : expected) {

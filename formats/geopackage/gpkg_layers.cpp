@@ -7,6 +7,7 @@
 #include <map>
 
 #include "formats/geopackage/gpkg_row.h"
+#include "formats/gis/descriptor_columns.h"
 #include "formats/gis/measured_columns.h"
 #include "rayfield/core/date.h"
 
@@ -81,7 +82,26 @@ Result<void> fill_scans(const OpenGeoPackage& package, const BlockProducts& bloc
     out.real(scan.offset_e_m).real(scan.offset_n_m).real(scan.offset_h_m).real(scan.yaw_mrad).real(scan.residual_m);
     out.integer(scan.landmarks).integer(scan.aligned ? 1 : 0);
     out.optional_text(scan.wood_scan_id).optional_text(scan.leaf_note);
+    out.real(scan.fruit_zone_low_m).real(scan.fruit_zone_high_m);
     RAYFIELD_CHECK(check_written(package, out.write()));
+  }
+  return {};
+}
+
+void put_descriptors(Row& out, const CanopyDescriptors& descriptors) {
+  for (const DescriptorColumn& column : kDescriptorColumns) out.real(descriptors.*column.value);
+}
+
+Result<void> fill_panel_profiles(const OpenGeoPackage& package, const BlockProducts& block) {
+  RAYFIELD_ASSIGN(OGRLayer * layer, create_table(package, panel_profile_table()));
+  for (const ScanResults& results : block.scans) {
+    for (const PanelProfileBand& band : results.profile) {
+      RAYFIELD_CHECK(parse_date(band.scan_date));
+      Row out(*layer);
+      out.text(band.panel_uid).text(band.scan_id).date(band.scan_date);
+      out.real(band.height_low_m).real(band.height_high_m).real(band.plant_area_m2).real(band.leaf_area_m2);
+      RAYFIELD_CHECK(check_written(package, out.write()));
+    }
   }
   return {};
 }
@@ -95,6 +115,7 @@ Result<void> fill_panel_values(const OpenGeoPackage& package, const BlockProduct
       out.text(v.panel_uid).text(v.scan_id).date(v.scan_date);
       for (const MeasuredColumn& column : kMeasuredColumns) out.real(v.*column.value);
       out.integer(v.ray_count).optional_text(v.wood_scan_id);
+      put_descriptors(out, v.descriptors);
       RAYFIELD_CHECK(check_written(package, out.write()));
     }
   }
@@ -111,6 +132,8 @@ Result<void> fill_row_metres(const OpenGeoPackage& package, const BlockProducts&
       Row out(*layer);
       out.integer(metre.row_number).real(metre.chainage_m).text(metre.scan_id).date(metre.scan_date);
       out.real(metre.leaf_area_per_m).real(metre.plant_area_per_m);
+      out.real(metre.canopy_height_m).real(metre.canopy_width_m);
+      put_descriptors(out, metre.descriptors);
       out.geometry(OGRPoint(metre.position.x(), metre.position.y()));
       RAYFIELD_CHECK(check_written(package, out.write()));
     }
@@ -169,6 +192,7 @@ Result<void> fill_tables(const OpenGeoPackage& package, const BlockProducts& blo
   RAYFIELD_CHECK(fill_scans(package, block));
   RAYFIELD_CHECK(fill_panel_values(package, block));
   RAYFIELD_CHECK(fill_row_metres(package, block));
+  RAYFIELD_CHECK(fill_panel_profiles(package, block));
   RAYFIELD_CHECK(fill_panel_wide(package, block));
   return fill_block(package, block);
 }

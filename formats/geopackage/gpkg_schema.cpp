@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "formats/gis/descriptor_columns.h"
 #include "formats/gis/measured_columns.h"
 
 namespace rayfield::formats::gpkg {
@@ -18,11 +19,17 @@ const Column kSource{"source", OFTString, "surveyed, or the scan that it was fou
 const Column kScanId{"scan_id", OFTString, "identifier of the scan, see table scan"};
 const Column kScanDate{"scan_date", OFTDate, "local date of the scan"};
 
+void add_descriptors(Table& table) {
+  for (const DescriptorColumn& column : kDescriptorColumns)
+    table.columns.push_back({column.name, OFTReal, column.description});
+}
+
 void add_measured_columns(Table& table) {
   for (const MeasuredColumn& column : kMeasuredColumns)
     table.columns.push_back({column.name, OFTReal, column.description});
   table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
   table.columns.push_back({"wood_scan_id", OFTString, kWoodScanDescription});
+  add_descriptors(table);
 }
 
 }  // namespace
@@ -100,7 +107,9 @@ Table scan_table() {
            {"landmarks", OFTInteger, "posts and trunks that both show"},
            {"aligned", OFTInteger, "1: it lies on the reference, 0: it lies where its positioning put it"},
            {"wood_scan_id", OFTString, kWoodScanDescription},
-           {"leaf_note", OFTString, "what the leaf areas of the scan hold, where that is not leaves alone"}}};
+           {"leaf_note", OFTString, "what the leaf areas of the scan hold, where that is not leaves alone"},
+           {"fruit_zone_low_m", OFTReal, "lower end of the fruit zone above the ground, m"},
+           {"fruit_zone_high_m", OFTReal, "upper end of the fruit zone above the ground, m"}}};
 }
 
 Table panel_value_table() {
@@ -109,16 +118,34 @@ Table panel_value_table() {
   return table;
 }
 
-Table row_metre_table() {
-  return {"row_metre",
-          "Canopy of each half metre of row on each date",
-          wkbPoint,
-          {kRowNumber,
-           {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
+Table panel_profile_table() {
+  return {"panel_profile",
+          "Vertical profile of each panel on each date",
+          wkbNone,
+          {kPanelUid,
            kScanId,
            kScanDate,
-           {"leaf_area_per_m", OFTReal, kLeafAreaPerMDescription},
-           {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"}}};
+           {"height_low_m", OFTReal, "lower end of the band above the ground, m"},
+           {"height_high_m", OFTReal, "upper end of the band above the ground, m"},
+           {"plant_area_m2", OFTReal, "plant area in the band, m²; the bands of a panel add up to its plant_area_m2"},
+           {"leaf_area_m2", OFTReal, "leaf area in the band, m²; the bands of a panel add up to its leaf_area_m2"}}};
+}
+
+Table row_metre_table() {
+  Table table{
+      "row_metre",
+      "Canopy of each half metre of row on each date",
+      wkbPoint,
+      {kRowNumber,
+       {"chainage_m", OFTReal, "centre of the half metre along the row's centreline, m"},
+       kScanId,
+       kScanDate,
+       {"leaf_area_per_m", OFTReal, kLeafAreaPerMDescription},
+       {"plant_area_per_m", OFTReal, "one-sided plant area (leaves, wood, posts, wires) per metre of row, m²/m"},
+       {"canopy_height_m", OFTReal, "height of the canopy above the ground, m; 0: a gap"},
+       {"canopy_width_m", OFTReal, "width of the canopy across the row, m; 0: a gap"}}};
+  add_descriptors(table);
+  return table;
 }
 
 Table panel_wide_table(const BlockProducts& block) {

@@ -32,6 +32,7 @@ Table post_table();
 Table block_table();
 Table scan_table();
 Table panel_value_table();
+Table panel_profile_table();
 Table row_metre_table();
 /// One column `leaf_area_per_m_<date>` per scan, in the order of the scans.
 Table panel_wide_table(const BlockProducts& block);

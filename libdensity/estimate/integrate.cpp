@@ -90,6 +90,7 @@ PanelValue panel_value(const RowDensity& row, const Sums& s, const RowSpan& span
   const double top = quantile_height(s.by_up, row.voxel_m, o.height_share);
   const double bottom = quantile_height(s.by_up, row.voxel_m, 1 - o.height_share);
   v.canopy_height_m = row.up_min_m + top;
+  v.descriptors.canopy_base_m = row.up_min_m + bottom;
   v.canopy_width_m = quantile_height(s.by_across, row.voxel_m, 0.5 + o.width_share / 2) -
                      quantile_height(s.by_across, row.voxel_m, 0.5 - o.width_share / 2);
   const int low = std::clamp(static_cast<int>(bottom / row.voxel_m), 0, row.n_up - 1);

@@ -7,12 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "libdensity/estimate/descriptors.h"
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/estimate/plan_raster.h"
 #include "libdensity/estimate/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/leaf/leaf_pairs.h"
 #include "libdensity/leaf/slab_shadow.h"
+#include "libdensity/results/descriptor_columns.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
@@ -77,8 +79,25 @@ void scale_density(RowDensity& row, double scale) {
 struct RowLeaves {
   std::optional<RowDensity> leaf;
   std::vector<LeafSum> panels;
-  std::vector<double> metres;
+  std::vector<PanelValue> described;  // of the results, with the descriptors of leaves
+  std::vector<RowMetreProduct> metres;
+  std::vector<double> profile;  // band by band, panel by panel
 };
+
+// What lines meet of leaves alone, inside the outline of leaves and wood.
+void describe_leaves(const RowDensity& leaf, std::span<const Panel> panels, double length_m,
+                     std::span<const StretchOutline> outline, const DescriptorSettings& settings, RowLeaves& out) {
+  const RowLines lines(leaf, length_m, outline, settings);
+  lines.describe_panels(panels, out.described);
+  lines.describe_metres(out.metres);
+  for (const auto& bands : vertical_profiles(leaf, panels, settings.options.profile_band_m))
+    for (const BandAreas& band : bands) out.profile.push_back(band.canopy_area_m2);
+}
+
+// Where both scans together saw too little, nothing is said of leaves.
+void forget_leaves(CanopyDescriptors& descriptors) {
+  for (const auto& [name, member] : kLeafDescriptors) descriptors.*member = CanopyDescriptors::kUndefined;
+}
 
 // How the densities of rows are estimated, and what follows from the leaves' size.
 struct LeafEstimate {
@@ -110,9 +129,18 @@ Result<RowDensity> leaves_of_row(int row, const ScanVoxels& voxels, const Counte
   return of_wood;
 }
 
+// The values of these panels, in their order.
+std::vector<PanelValue> values_of(std::span<const PanelValue> values, std::span<const Panel> panels) {
+  std::vector<PanelValue> out;
+  for (const Panel& panel : panels)
+    out.push_back(*std::find_if(values.begin(), values.end(),
+                                [&panel](const PanelValue& value) { return value.panel_uid == panel.identity.uid; }));
+  return out;
+}
+
 // Rows in the order in which the results were made of them.
 Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
-                               const CountedWood& counted, std::vector<PanelValue> panel_values) {
+                               const CountedWood& counted, const ScanResults& results) {
   const std::size_t bytes = work.memory.tiles_bytes / 2;
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
@@ -120,7 +148,7 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan,
                                                       work.memory.maps_bytes, work.files.scratch_folder()));
   LeafMaps maps{{}, std::move(plan)};
-  maps.values.panels = std::move(panel_values);
+  maps.values.panels = results.panel_values;
   work.progress.stage(fmt::format("{}: leaves", work.scan.scan_id), layout.rows.size(), "rows");
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
   RAYFIELD_ASSIGN(const LeafEstimate estimate, estimate_of(work, voxels, counted));
@@ -128,23 +156,44 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   std::vector<const Row*> rows;
   for (const Row& row : layout.rows)
     if (plant.has_row(row.number)) rows.push_back(&row);
+  const DescriptorSettings settings = descriptor_settings(work.options);
   std::vector<RowLeaves> done(rows.size());
   const auto subtract = [&](std::size_t i, int) -> Result<void> {
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const RowDensity of_wood,
                     leaves_of_row(rows[i]->number, voxels, counted, plant, wood, estimate, done[i]));
-    done[i].panels = leaf_of_panels(*done[i].leaf, of_wood, panels_of(layout, rows[i]->number));
-    done[i].metres = leaf_of_metres(*done[i].leaf, rows[i]->length_m(), integration.metre_step_m);
+    const std::vector<Panel> panels = panels_of(layout, rows[i]->number);
+    done[i].panels = leaf_of_panels(*done[i].leaf, of_wood, panels);
+    done[i].described = values_of(results.panel_values, panels);
+    for (const RowMetreProduct& metre : results.row_metres)
+      if (metre.row_number == rows[i]->number) done[i].metres.push_back(metre);
+    const double length_m = rows[i]->length_m();
+    const std::vector<StretchOutline> outline = outline_of(results.row_metres, rows[i]->number);
+    describe_leaves(*done[i].leaf, panels, length_m, outline, settings, done[i]);
+    const std::vector<double> areas = leaf_of_metres(*done[i].leaf, length_m, integration.metre_step_m);
+    for (std::size_t k = 0; k < areas.size(); ++k) {
+      done[i].metres[k].leaf_area_per_m = areas[k];
+      if (std::isnan(areas[k])) forget_leaves(done[i].metres[k].descriptors);
+    }
     return {};
   };
   std::size_t panel = 0;  // the next of the results' panels
   const auto take = [&](std::size_t i) -> Result<void> {
-    const RowLeaves row = std::exchange(done[i], {});
+    RowLeaves row = std::exchange(done[i], {});
     const std::vector<Panel> panels = panels_of(layout, rows[i]->number);
-    for (std::size_t k = 0; k < row.panels.size(); ++k)
-      set_leaf_area(maps.values.panels[panel++], row.panels[k], panels[k].end_m - panels[k].start_m, layout.spacing_m,
-                    integration, work.options.leaf);
+    const std::size_t bands = panels.empty() ? 0 : row.profile.size() / panels.size();
+    for (std::size_t k = 0; k < row.panels.size(); ++k) {
+      PanelValue& value = maps.values.panels[panel++];
+      value.descriptors = row.described[k].descriptors;
+      set_leaf_area(value, row.panels[k], panels[k].end_m - panels[k].start_m, layout.spacing_m, integration,
+                    work.options.leaf);
+      if (std::isfinite(value.leaf_area_m2)) continue;
+      forget_leaves(value.descriptors);
+      const auto profile = std::span(row.profile).subspan(k * bands, bands);
+      std::fill(profile.begin(), profile.end(), CanopyDescriptors::kUndefined);
+    }
     maps.values.metres.insert(maps.values.metres.end(), row.metres.begin(), row.metres.end());
+    maps.values.profile.insert(maps.values.profile.end(), row.profile.begin(), row.profile.end());
     RAYFIELD_CHECK(maps.plan.add(*row.leaf));
     work.progress.advance(1);
     return {};
@@ -177,6 +226,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   KeyBuilder key("leaf", kLeafVersion);
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
   key.add(work.files.sha256("results", "block"));
+  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
   key.add(option_numbers(work.options.voxel_fit));
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
@@ -247,7 +297,7 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   std::optional<LeafMaps> maps;
   const auto made = [&]() -> Result<void> {
     if (maps) return {};
-    RAYFIELD_ASSIGN(maps, subtract_rows(work, layout, voxels, counted, results.panel_values));
+    RAYFIELD_ASSIGN(maps, subtract_rows(work, layout, voxels, counted, results));
     maps->values.wood_scan_id = wood.scan.scan_id, maps->values.wood_content = content_of(wood.scan);
     return {};
   };

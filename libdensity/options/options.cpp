@@ -62,6 +62,13 @@ Result<void> IntegrationOptions::validate() const { return check_option_ranges(*
 
 Result<void> LeafOptions::validate() const { return check_option_ranges(*this, "bad leaf area option"); }
 
+Result<void> DescriptorOptions::validate() const {
+  constexpr const char* kWhat = "bad canopy descriptor option";
+  RAYFIELD_CHECK(check_option_ranges(*this, kWhat));
+  if (fruit_zone_high_m > fruit_zone_low_m) return {};
+  return fail(ErrorCode::usage, kWhat, "fruit_zone_high_m", "it is not above fruit_zone_low_m", "see docs/options.md");
+}
+
 Result<void> PlanRasterOptions::validate() const { return check_option_ranges(*this, "bad raster option"); }
 
 Result<void> ProcessOptions::validate() const {
@@ -69,6 +76,7 @@ Result<void> ProcessOptions::validate() const {
   RAYFIELD_CHECK(canopy.validate());
   RAYFIELD_CHECK(posts.validate());
   RAYFIELD_CHECK(segments.validate());
+  RAYFIELD_CHECK(descriptors.validate());
   return voxel_fit.validate();
 }
 

@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
 
+#include "libdensity/estimate/descriptors.h"
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"
 #include "libdensity/estimate/raster_frame.h"
@@ -35,15 +37,39 @@ struct RowProducts {
   std::vector<PanelValue> panels;
   std::vector<RowMetreProduct> metres;
   std::vector<SectionProduct> sections;
+  std::vector<PanelProfileBand> profile;
 };
 
+// What the canopy of leaves and wood is like; leaf_products.cpp puts leaves alone in its place where wood is known.
+void describe_row(const RowDensity& density, std::span<const Panel> panels, double length_m,
+                  const DescriptorSettings& settings, RowProducts& out) {
+  const std::vector<StretchOutline> outline = canopy_outline(density, length_m, settings);
+  put_outline(outline, out.metres);
+  const RowLines lines(density, length_m, outline, settings);
+  lines.describe_panels(panels, out.panels);
+  lines.describe_metres(out.metres);
+  const auto profiles = vertical_profiles(density, panels, settings.options.profile_band_m);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const bool known = std::isfinite(out.panels[i].plant_area_m2);
+    for (const BandAreas& band : profiles[i])
+      out.profile.push_back({panels[i].identity.uid,
+                             {},
+                             {},
+                             band.low_m,
+                             band.high_m,
+                             known ? band.plant_area_m2 : CanopyDescriptors::kUndefined,
+                             known ? band.canopy_area_m2 : CanopyDescriptors::kUndefined});
+  }
+}
+
 RowProducts integrate_row(const RowLayout& layout, const Row& row, const RowDensity& density,
-                          const IntegrationOptions& options) {
+                          const IntegrationOptions& options, const DescriptorSettings& settings) {
   RowProducts out;
   const std::vector<Panel> panels = panels_of(layout, row.number);
   out.panels = integrate_panels(density, panels, layout.spacing_m, options);
   for (std::size_t i = 0; i < out.panels.size(); ++i) out.panels[i].panel_uid = panels[i].identity.uid;
   out.metres = row_metres(density, row.length_m(), options);
+  describe_row(density, panels, row.length_m(), settings, out);
   for (RowMetreProduct& metre : out.metres) {
     metre.row_number = row.number;
     metre.position = point_at(row.centreline, metre.chainage_m).position;
@@ -57,6 +83,7 @@ Result<void> append(RowProducts row, ScanMaps& maps) {
   ScanResults& results = maps.results;
   std::move(row.panels.begin(), row.panels.end(), std::back_inserter(results.panel_values));
   std::move(row.metres.begin(), row.metres.end(), std::back_inserter(results.row_metres));
+  std::move(row.profile.begin(), row.profile.end(), std::back_inserter(results.profile));
   for (SectionProduct& section : row.sections) {
     RAYFIELD_CHECK(maps.sections.take(section));
     results.sections.push_back(std::move(section));
@@ -72,6 +99,9 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
     if (counters.has_row(row.number)) rows.push_back(&row);
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
+  const DescriptorSettings settings = descriptor_settings(work.options);
+  maps.results.scan.fruit_zone_low_m = settings.options.fruit_zone_low_m;
+  maps.results.scan.fruit_zone_high_m = settings.options.fruit_zone_high_m;
   RAYFIELD_ASSIGN(const int workers, rows_in_hand(work, voxels.row_segments, voxels.echoes.has_value()));
   struct Done {
     std::optional<RowDensity> density;
@@ -82,7 +112,7 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(done[i].density, counters.density(rows[i]->number, voxels.row_segments, voxels.wood,
                                                       work.options.estimator, voxels.echoes));
-    done[i].products = integrate_row(layout, *rows[i], *done[i].density, integration);
+    done[i].products = integrate_row(layout, *rows[i], *done[i].density, integration, settings);
     return {};
   };
   const auto take = [&](std::size_t i) -> Result<void> {
@@ -133,6 +163,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
   builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
+  builder.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
   if (voxels.echoes) builder.add(model_numbers(voxels.echoes));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : voxels.tiles) builder.add(work.files.sha256("voxels", tile_name(index)));

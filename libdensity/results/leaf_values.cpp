@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "libdensity/results/descriptor_columns.h"
+
 namespace rayfield::density {
 namespace {
 
@@ -25,6 +27,16 @@ constexpr std::array<std::pair<const char*, double PanelValue::*>, 6> kPanelColu
 
 tl::unexpected<Error> damaged(const std::string& why) {
   return fail(ErrorCode::damaged, "cannot read leaf areas", kKind, why, "run `rayfield verify`");
+}
+
+// Stored leaf areas of earlier versions have no profile: then it is undefined.
+Result<void> take_profile(const tile::ArraySet& arrays, ScanResults& results) {
+  for (PanelProfileBand& band : results.profile) band.leaf_area_m2 = CanopyDescriptors::kUndefined;
+  if (!arrays.columns.contains("profile_leaf_area_m2")) return {};
+  RAYFIELD_ASSIGN(const auto leaf, arrays.column<double>("profile_leaf_area_m2"));
+  if (leaf.size() != results.profile.size()) return damaged("not as many bands of profiles as results");
+  for (std::size_t i = 0; i < leaf.size(); ++i) results.profile[i].leaf_area_m2 = leaf[i];
+  return {};
 }
 
 }  // namespace
@@ -47,7 +59,12 @@ tile::ArraySet leaf_to_arrays(const LeafValues& leaf, const RowLayout& layout) {
     for (const PanelValue& value : leaf.panels) column.push_back(value.*member);
     arrays.columns[name] = std::move(column);
   }
-  arrays.columns["metre_leaf_area_per_m"] = leaf.metres;
+  std::vector<double> metres;
+  for (const RowMetreProduct& metre : leaf.metres) metres.push_back(metre.leaf_area_per_m);
+  arrays.columns["metre_leaf_area_per_m"] = std::move(metres);
+  arrays.columns["profile_leaf_area_m2"] = leaf.profile;
+  put_descriptors(kLeafDescriptors, "panel_", leaf.panels, arrays);
+  put_descriptors(kLeafDescriptors, "metre_", leaf.metres, arrays);
   return arrays;
 }
 
@@ -76,6 +93,11 @@ Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layo
   RAYFIELD_ASSIGN(const auto metres, arrays.column<double>("metre_leaf_area_per_m"));
   if (metres.size() != results.row_metres.size()) return damaged("not as many half metres as results");
   for (std::size_t i = 0; i < metres.size(); ++i) results.row_metres[i].leaf_area_per_m = metres[i];
+  RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "panel_", arrays, panels.size(),
+                                  [&](std::size_t i) -> PanelValue& { return *panels[i]; }));
+  RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "metre_", arrays, results.row_metres.size(),
+                                  [&](std::size_t i) -> RowMetreProduct& { return results.row_metres[i]; }));
+  RAYFIELD_CHECK(take_profile(arrays, results));
   for (PanelValue* value : panels) value->wood_scan_id = source.scan_id;
   results.scan.wood_scan_id = source.scan_id;
   return {};

@@ -13,10 +13,11 @@ namespace rayfield::density {
 /// The leaf areas of a scan whose wood is known. They are kept beside its results, which hold what its own rays say, so
 /// that another dormant scan changes nothing else.
 struct LeafValues {
-  std::string wood_scan_id;        ///< whose wood was subtracted; the scan itself: it is dormant
-  std::string wood_content;        ///< names that scan's rays
-  std::vector<PanelValue> panels;  ///< those of the results, with leaf areas and their errors in place
-  std::vector<double> metres;      ///< leaf_area_per_m of the results' half metres, in their order
+  std::string wood_scan_id;             ///< whose wood was subtracted; the scan itself: it is dormant
+  std::string wood_content;             ///< names that scan's rays
+  std::vector<PanelValue> panels;       ///< those of the results, with leaf areas and their errors in place
+  std::vector<RowMetreProduct> metres;  ///< those of the results, with leaf areas and descriptors of leaves in place
+  std::vector<double> profile;          ///< leaf_area_m2 of the results' bands, in their order
 };
 
 /// Stored form, kind "leaf" version 1: panels are named by their numbers, and hold leaf areas and their errors only.

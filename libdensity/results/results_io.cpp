@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "libdensity/results/descriptor_columns.h"
+
 namespace rayfield::density {
 namespace {
 
@@ -47,6 +49,71 @@ Result<Grid2<float>> grid_from(const json& description, std::uint64_t& left, con
   return grid;
 }
 
+// What came with canopy descriptors; results of earlier versions have none of it.
+void put_canopy(const ScanResults& results, tile::ArraySet& arrays) {
+  put_descriptors(kPlantDescriptors, "panel_", results.panel_values, arrays);
+  put_descriptors(kLeafDescriptors, "panel_", results.panel_values, arrays);
+  put_descriptors(kPlantDescriptors, "metre_", results.row_metres, arrays);
+  put_descriptors(kLeafDescriptors, "metre_", results.row_metres, arrays);
+  std::vector<double> height, width;
+  for (const RowMetreProduct& metre : results.row_metres)
+    height.push_back(metre.canopy_height_m), width.push_back(metre.canopy_width_m);
+  arrays.columns["metre_canopy_height_m"] = std::move(height);
+  arrays.columns["metre_canopy_width_m"] = std::move(width);
+
+  std::map<std::string, std::int32_t> index;  // of a panel among the values
+  for (const PanelValue& value : results.panel_values)
+    index.emplace(value.panel_uid, static_cast<std::int32_t>(index.size()));
+  std::vector<std::int32_t> panel;
+  std::vector<double> low, high, plant, leaf;
+  for (const PanelProfileBand& band : results.profile) {
+    panel.push_back(index.at(band.panel_uid));
+    low.push_back(band.height_low_m), high.push_back(band.height_high_m);
+    plant.push_back(band.plant_area_m2), leaf.push_back(band.leaf_area_m2);
+  }
+  arrays.columns["profile_panel"] = std::move(panel);
+  arrays.columns["profile_height_low_m"] = std::move(low);
+  arrays.columns["profile_height_high_m"] = std::move(high);
+  arrays.columns["profile_plant_area_m2"] = std::move(plant);
+  arrays.columns["profile_leaf_area_m2"] = std::move(leaf);
+}
+
+Result<void> take_profile(const tile::ArraySet& arrays, ScanResults& results) {
+  if (!arrays.columns.contains("profile_panel")) return {};
+  RAYFIELD_ASSIGN(const auto panel, arrays.column<std::int32_t>("profile_panel"));
+  RAYFIELD_ASSIGN(const auto low, arrays.column<double>("profile_height_low_m"));
+  RAYFIELD_ASSIGN(const auto high, arrays.column<double>("profile_height_high_m"));
+  RAYFIELD_ASSIGN(const auto plant, arrays.column<double>("profile_plant_area_m2"));
+  RAYFIELD_ASSIGN(const auto leaf, arrays.column<double>("profile_leaf_area_m2"));
+  for (const std::size_t size : {low.size(), high.size(), plant.size(), leaf.size()})
+    if (size != panel.size()) return damaged("results", "columns differ in length");
+  for (std::size_t i = 0; i < panel.size(); ++i) {
+    if (panel[i] < 0 || static_cast<std::size_t>(panel[i]) >= results.panel_values.size())
+      return damaged("results", "a band of a profile is of no panel");
+    const std::string& uid = results.panel_values[static_cast<std::size_t>(panel[i])].panel_uid;
+    results.profile.push_back({uid, results.scan.scan_id, results.scan.scan_date, low[i], high[i], plant[i], leaf[i]});
+  }
+  return {};
+}
+
+Result<void> take_canopy(const tile::ArraySet& arrays, ScanResults& results) {
+  const auto panel = [&](std::size_t i) -> PanelValue& { return results.panel_values[i]; };
+  const auto metre = [&](std::size_t i) -> RowMetreProduct& { return results.row_metres[i]; };
+  RAYFIELD_CHECK(take_descriptors(kPlantDescriptors, "panel_", arrays, results.panel_values.size(), panel));
+  RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "panel_", arrays, results.panel_values.size(), panel));
+  RAYFIELD_CHECK(take_descriptors(kPlantDescriptors, "metre_", arrays, results.row_metres.size(), metre));
+  RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "metre_", arrays, results.row_metres.size(), metre));
+  if (arrays.columns.contains("metre_canopy_height_m")) {
+    RAYFIELD_ASSIGN(const auto height, arrays.column<double>("metre_canopy_height_m"));
+    RAYFIELD_ASSIGN(const auto width, arrays.column<double>("metre_canopy_width_m"));
+    if (height.size() != results.row_metres.size() || width.size() != results.row_metres.size())
+      return damaged("results", "columns differ in length");
+    for (std::size_t i = 0; i < height.size(); ++i)
+      metre(i).canopy_height_m = height[i], metre(i).canopy_width_m = width[i];
+  }
+  return take_profile(arrays, results);
+}
+
 }  // namespace
 
 tile::StreamedArrays results_to_arrays(const ScanResults& results, const RowLayout& layout,
@@ -85,13 +152,18 @@ tile::StreamedArrays results_to_arrays(const ScanResults& results, const RowLayo
   arrays.columns["metre_leaf_area_per_m"] = std::move(leaf);
   arrays.columns["metre_plant_area_per_m"] = std::move(plant);
 
+  put_canopy(results, arrays);
+
   json sections = json::array();
   for (const SectionProduct& section : results.sections)
     sections.push_back({{"name", section.name},
                         {"unit", section.unit},
                         {"row", section.row_number},
                         {"grid", grid_json(section.grid)}});
-  arrays.attributes = json{{"sections", sections}, {"element_area_m2", results.element_area_m2}}.dump();
+  arrays.attributes = json{{"sections", sections},
+                           {"element_area_m2", results.element_area_m2},
+                           {"fruit_zone_m", {results.scan.fruit_zone_low_m, results.scan.fruit_zone_high_m}}}
+                          .dump();
   return {std::move(arrays), {{kSectionValues, std::move(section_values)}}};
 }
 
@@ -137,8 +209,15 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
     results.row_metres.push_back(
         {metre_row[i], chainage[i], {easting[i], northing[i]}, scan.scan_id, scan.scan_date, leaf[i], plant[i]});
 
+  RAYFIELD_CHECK(take_canopy(arrays, results));
+
   try {
-    results.element_area_m2 = json::parse(arrays.attributes).at("element_area_m2").get<double>();
+    const json attributes = json::parse(arrays.attributes);
+    results.element_area_m2 = attributes.at("element_area_m2").get<double>();
+    if (attributes.contains("fruit_zone_m") && !attributes.at("fruit_zone_m").at(0).is_null()) {
+      results.scan.fruit_zone_low_m = attributes.at("fruit_zone_m").at(0).get<double>();
+      results.scan.fruit_zone_high_m = attributes.at("fruit_zone_m").at(1).get<double>();
+    }
   } catch (const json::exception& e) {
     return damaged("results", e.what());
   }

@@ -17,7 +17,7 @@ inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
 inline constexpr int kResultsVersion = 6;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 3;
+inline constexpr int kLeafVersion = 4;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion, kGroundVersion,      kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,

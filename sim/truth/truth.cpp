@@ -14,20 +14,21 @@ constexpr double kGroundStep = 0.5;  // m
 void add_row(const World& world, int row, Truth& truth) {
   const BlockGeometry& block = world.block();
   const RowAreas& areas = world.areas()[static_cast<std::size_t>(row)];
+  const RowCanopy& canopy = world.canopy()[static_cast<std::size_t>(row)];
   truth.rows.push_back({row, block.row_point(row, 0), block.row_point(row, block.row_length())});
   const IntervalAreas& panels = areas.panels;
   for (std::size_t i = 0; i + 1 < panels.edges_m.size(); ++i) {
     const double from = panels.edges_m[i], to = panels.edges_m[i + 1];
     truth.panels.push_back({row, static_cast<int>(i), block.row_point(row, from), block.row_point(row, to), to - from,
-                            panels.leaf_m2[i], panels.wood_m2[i]});
+                            panels.leaf_m2[i], panels.wood_m2[i], canopy.panels[i], canopy.profiles[i]});
     truth.leaf_area_m2 += panels.leaf_m2[i];
     truth.wood_area_m2 += panels.wood_m2[i];
   }
   const IntervalAreas& metres = areas.metres;
   for (std::size_t i = 0; i + 1 < metres.edges_m.size(); ++i) {
     const double from = metres.edges_m[i], to = metres.edges_m[i + 1], middle = 0.5 * (from + to);
-    truth.metres.push_back(
-        {row, middle, block.row_point(row, middle), metres.leaf_m2[i] / (to - from), metres.wood_m2[i] / (to - from)});
+    truth.metres.push_back({row, middle, block.row_point(row, middle), metres.leaf_m2[i] / (to - from),
+                            metres.wood_m2[i] / (to - from), canopy.metres[i]});
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <system_error>
@@ -61,6 +62,42 @@ Text metres_text(const Truth& truth) {
   for (const Truth::Metre& m : truth.metres)
     out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", m.row, m.along_m, m.position.x(), m.position.y(),
                        m.leaf_area_per_m, m.wood_area_per_m);
+  return out;
+}
+
+// NaN is an empty field.
+Text field(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : Text(); }
+
+constexpr const char* kCanopyColumns =
+    "base_m,height_m,width_m,row_gap_share,porosity,leaf_layer_number,canopy_layer_number,exposed_leaf_share";
+
+Text canopy_fields(const CanopyTruth& c) {
+  Text out;
+  for (const double value : {c.base_m, c.height_m, c.width_m, c.row_gap_share, c.porosity, c.leaf_layer_number,
+                             c.canopy_layer_number, c.exposed_leaf_share})
+    out += "," + field(value);
+  return out + "\n";
+}
+
+Text canopy_text(const Truth& truth) {
+  Text out = fmt::format("row,panel,{}\n", kCanopyColumns);
+  for (const Truth::Panel& p : truth.panels) out += fmt::format("{},{}{}", p.row, p.panel, canopy_fields(p.canopy));
+  return out;
+}
+
+Text canopy_metres_text(const Truth& truth) {
+  Text out = fmt::format("row,along_m,{}\n", kCanopyColumns);
+  for (const Truth::Metre& m : truth.metres)
+    out += fmt::format("{},{:.9g}{}", m.row, m.along_m, canopy_fields(m.canopy));
+  return out;
+}
+
+Text canopy_profile_text(const Truth& truth) {
+  Text out = "row,panel,height_low_m,height_high_m,leaf_area_m2,wood_area_m2\n";
+  for (const Truth::Panel& p : truth.panels)
+    for (const CanopyBand& band : p.profile)
+      out += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", p.row, p.panel, band.low_m, band.high_m, band.leaf_m2,
+                         band.wood_m2);
   return out;
 }
 
@@ -128,6 +165,9 @@ Result<void> write_truth(const Truth& truth, const std::filesystem::path& folder
   RAYFIELD_CHECK(write_text(folder / "rows.csv", rows_text(truth)));
   RAYFIELD_CHECK(write_text(folder / "panels.csv", panels_text(truth)));
   RAYFIELD_CHECK(write_text(folder / "metres.csv", metres_text(truth)));
+  RAYFIELD_CHECK(write_text(folder / "canopy.csv", canopy_text(truth)));
+  RAYFIELD_CHECK(write_text(folder / "canopy_metres.csv", canopy_metres_text(truth)));
+  RAYFIELD_CHECK(write_text(folder / "canopy_profile.csv", canopy_profile_text(truth)));
   RAYFIELD_CHECK(write_text(folder / "posts.csv", posts_text(truth)));
   RAYFIELD_CHECK(write_text(folder / "ground.csv", ground_text(truth)));
   return write_text(folder / "site.json", site_text(truth));

@@ -107,12 +107,15 @@ void add_canes(const Ground& ground, const Vine& vine, std::uint64_t vine_id, Tr
 
 }  // namespace
 
-void add_vine_wood(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
-  if (vine.missing) return;
+std::size_t add_vine_wood(const Ground& ground, const Vine& vine, std::uint64_t vine_id, TriangleMesh& mesh) {
+  if (vine.missing) return 0;
+  const std::size_t first = mesh.triangles.size();
   const SiteStructure& structure = ground.site.structure;
   if (structure.trunk_diameter_m > 0) add_trunk(ground, vine, vine_id, mesh);
+  const std::size_t trunk = mesh.triangles.size() - first;
   if (structure.cordon_diameter_m > 0) add_cordon(ground, vine, vine_id, mesh);
   add_canes(ground, vine, vine_id, mesh);
+  return trunk;
 }
 
 }  // namespace rayfield::sim

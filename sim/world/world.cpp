@@ -6,6 +6,7 @@
 #include "sim/world/area_sums.h"
 #include "sim/world/block_geometry.h"
 #include "sim/world/canopy.h"
+#include "sim/world/canopy_sums.h"
 #include "sim/world/leaf_angles.h"
 #include "sim/world/ray_scene.h"
 #include "sim/world/surroundings.h"
@@ -22,6 +23,7 @@ struct RowMeshes {
   TriangleMesh posts, wires, wood, leaves;
   std::vector<Post> post_list;
   std::uint64_t leaf_count = 0;
+  std::vector<TriangleRange> thin_wood;  // of `wood`: cordons and canes
 };
 
 RowMeshes build_row(const Ground& ground, int row, const std::vector<Vine>& vines, double leaf_fraction,
@@ -31,10 +33,20 @@ RowMeshes build_row(const Ground& ground, int row, const std::vector<Vine>& vine
   add_wires(ground, row, meshes.wires);
   for (std::size_t id = 0; id < vines.size(); ++id) {
     if (vines[id].row != row) continue;
-    add_vine_wood(ground, vines[id], id, meshes.wood);
+    const std::size_t first = meshes.wood.triangles.size();
+    const std::size_t trunk = add_vine_wood(ground, vines[id], id, meshes.wood);
+    meshes.thin_wood.push_back({first + trunk, meshes.wood.triangles.size()});
     meshes.leaf_count += add_vine_leaves(ground, vines[id], id, leaf_fraction, normals, meshes.leaves);
   }
   return meshes;
+}
+
+RowCanopy canopy_of(const Ground& ground, int row, const RowMeshes& meshes) {
+  CanopySums sums(ground, row);
+  sums.add_leaves(meshes.leaves);
+  sums.add_wood(meshes.wires, {0, meshes.wires.triangles.size()});
+  for (const TriangleRange& range : meshes.thin_wood) sums.add_wood(meshes.wood, range);
+  return sums.finish();
 }
 
 // Leaves stand still, or move with the wind of the date.
@@ -54,6 +66,7 @@ struct World::Impl {
   std::vector<Vine> vines;
   std::vector<Post> posts;
   std::vector<RowAreas> areas;
+  std::vector<RowCanopy> canopy;
   std::uint64_t leaf_count = 0;
   RayScene scene;
 
@@ -80,6 +93,7 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
 
   const auto rows = static_cast<std::size_t>(site.rows.count);
   std::vector<RowMeshes> made(rows);
+  impl->canopy.resize(rows);
   const auto produce = [&](std::size_t row, int) -> Result<void> {
     if (progress.cancelled()) return fail(ErrorCode::interrupted, "simulation stopped", site.name, "asked to stop");
     RowMeshes& meshes = made[row];
@@ -89,6 +103,7 @@ Result<World> build_world(const Site& site, std::size_t date_index, int threads,
     for (const TriangleMesh* wood : {&meshes.posts, &meshes.wires, &meshes.wood})
       sums.add_wood(number, *wood, 0, wood->triangles.size());
     sums.add_leaves(number, meshes.leaves, 0, meshes.leaves.triangles.size());
+    impl->canopy[row] = canopy_of(ground, number, meshes);
     return {};
   };
   const auto consume = [&](std::size_t row) -> Result<void> {
@@ -130,6 +145,7 @@ const Terrain& World::terrain() const { return impl_->terrain; }
 const std::vector<Vine>& World::vines() const { return impl_->vines; }
 const std::vector<Post>& World::posts() const { return impl_->posts; }
 const std::vector<RowAreas>& World::areas() const { return impl_->areas; }
+const std::vector<RowCanopy>& World::canopy() const { return impl_->canopy; }
 std::uint64_t World::leaf_count() const { return impl_->leaf_count; }
 std::uint64_t World::triangle_count() const { return impl_->scene.triangle_count(); }
 

@@ -78,12 +78,24 @@ inline BlockProducts make_block(int rows, int panels_per_row, const std::vector<
       v.se_leaf_area_m2 = 0.25, v.ci_low_m2 = v.leaf_area_m2 - 0.5, v.ci_high_m2 = v.leaf_area_m2 + 0.5;
       v.canopy_height_m = 1.75, v.canopy_width_m = 0.625, v.gap_fraction = 0.375, v.observed_fraction = 0.9375;
       v.se_plant_area_m2 = 0.1875, v.ray_count = 5'000'000'000LL;
+      v.descriptors = {0.875, 0.0625, 0.1875, 2.5, 0.75, 0.5, 2.25};
+      for (const double low : {0.75, 1.0})
+        results.profile.push_back(
+            {v.panel_uid, v.scan_id, v.scan_date, low, low + 0.25, v.plant_area_m2 / 2, v.leaf_area_m2 / 2});
       results.panel_values.push_back(v);
     }
     for (const RowProduct& row : block.rows) {
       for (double chainage = 0.25; chainage < row.length_m; chainage += 0.5) {
-        results.row_metres.push_back({row.row_number, chainage, row.centreline[0] + Eigen::Vector2d(0, chainage),
-                                      results.scan.scan_id, dates[d], 0.125 * chainage, 0.25 * chainage});
+        results.row_metres.push_back({row.row_number,
+                                      chainage,
+                                      row.centreline[0] + Eigen::Vector2d(0, chainage),
+                                      results.scan.scan_id,
+                                      dates[d],
+                                      0.125 * chainage,
+                                      0.25 * chainage,
+                                      1.5,
+                                      0.5,
+                                      {0.75, 0, 0.25, 2, 0.875, 0.375, kNan}});
       }
     }
     block.scans.push_back(std::move(results));

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "rayfield/density/density.h"
 #include "rayfield/sim/sim.h"
@@ -50,6 +51,7 @@ class MemorySource : public RaySource {
 struct Drive {
   RayBatch rays;
   double leaf_area_m2 = 0, wood_area_m2 = 0;  ///< true, of the block
+  std::vector<sim::RowCanopy> canopy;         ///< true, of each row
 };
 
 /// The block on one date.
@@ -78,6 +80,7 @@ inline Drive drive_past(const sim::Site& site) {
   for (const sim::RowAreas& row : world.areas())
     for (std::size_t i = 0; i < row.panels.leaf_m2.size(); ++i)
       drive.leaf_area_m2 += row.panels.leaf_m2[i], drive.wood_area_m2 += row.panels.wood_m2[i];
+  drive.canopy = world.canopy();
   const auto plan = take(sim::plan_drive(world));
   SensorSink nowhere;
   const auto keep = [&](const RayBatch& rays) -> Result<void> {

@@ -105,11 +105,14 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   EXPECT_EQ(line,
             "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
             "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
-            "se_plant_area_m2,ray_count,wood_scan_id,block,farm,variety,longitude,latitude");
+            "se_plant_area_m2,ray_count,wood_scan_id,canopy_base_m,row_gap_share,porosity,"
+            "leaf_layer_number,exposed_leaf_share,fruit_zone_area_per_m,fruit_zone_density,block,farm,"
+            "variety,longitude,latitude");
   std::getline(lines, line);
   EXPECT_EQ(line,
             "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
-            "0.9375,0.1875,5000000000,2018-07-20,block a,Hill Farm,\"=1+1, \"\"x\"\"\"," +
+            "0.9375,0.1875,5000000000,2018-07-20,0.875,0.0625,0.1875,2.5,0.75,0.5,2.25,block a,Hill Farm,\"=1+1, "
+            "\"\"x\"\"\"," +
                 place(block.crs, (block.panels[0].outline[0] + block.panels[0].outline[2]) / 2));
   std::getline(lines, line);
   EXPECT_NE(line.find(",\"x,\"\"y\"\"\",2018-12-12,"), std::string::npos) << line;
@@ -127,11 +130,15 @@ TEST(Csv, RowMetresCarryTheirPlace) {
   std::string line;
   std::getline(lines, line);
   EXPECT_EQ(line,
-            "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,block,farm,"
+            "row_number,chainage_m,easting_m,northing_m,scan_id,scan_date,leaf_area_per_m,plant_area_per_m,"
+            "canopy_height_m,canopy_width_m,canopy_base_m,row_gap_share,porosity,"
+            "leaf_layer_number,exposed_leaf_share,fruit_zone_area_per_m,fruit_zone_density,block,farm,"
             "variety,longitude,latitude");
   std::getline(lines, line);
-  EXPECT_EQ(line, "1,0.25,276196.4736,6099944.3249,scan-2019-02-11,2019-02-11,0.03125,0.0625,block a,,Shiraz," +
-                      place(block.crs, block.scans[0].row_metres[0].position));
+  EXPECT_EQ(line,
+            "1,0.25,276196.4736,6099944.3249,scan-2019-02-11,2019-02-11,0.03125,0.0625,1.5,0.5,0.75,0,0.25,2,"
+            "0.875,0.375,,block a,,Shiraz," +
+                place(block.crs, block.scans[0].row_metres[0].position));
 }
 
 }  // namespace

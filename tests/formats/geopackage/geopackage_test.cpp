@@ -102,12 +102,39 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
       {"block", {"block", "farm", "variety"}},
       {"scan",
        {"scan_id", "scan_date", "start_utc", "end_utc", "name", "ray_count", "offset_e_m", "offset_n_m", "offset_h_m",
-        "yaw_mrad", "residual_m", "landmarks", "aligned", "wood_scan_id", "leaf_note"}},
+        "yaw_mrad", "residual_m", "landmarks", "aligned", "wood_scan_id", "leaf_note", "fruit_zone_low_m",
+        "fruit_zone_high_m"}},
       {"panel_value",
-       {"panel_uid", "scan_id", "scan_date", "plant_area_m2", "leaf_area_m2", "leaf_area_per_m", "lai",
-        "se_leaf_area_m2", "ci_low_m2", "ci_high_m2", "canopy_height_m", "canopy_width_m", "gap_fraction",
-        "observed_fraction", "ray_count", "se_plant_area_m2", "wood_scan_id"}},
-      {"row_metre", {"row_number", "chainage_m", "scan_date", "leaf_area_per_m", "plant_area_per_m"}},
+       {"panel_uid",
+        "scan_id",
+        "scan_date",
+        "plant_area_m2",
+        "leaf_area_m2",
+        "leaf_area_per_m",
+        "lai",
+        "se_leaf_area_m2",
+        "ci_low_m2",
+        "ci_high_m2",
+        "canopy_height_m",
+        "canopy_width_m",
+        "gap_fraction",
+        "observed_fraction",
+        "ray_count",
+        "se_plant_area_m2",
+        "wood_scan_id",
+        "canopy_base_m",
+        "row_gap_share",
+        "porosity",
+        "leaf_layer_number",
+        "exposed_leaf_share",
+        "fruit_zone_area_per_m",
+        "fruit_zone_density"}},
+      {"panel_profile",
+       {"panel_uid", "scan_id", "scan_date", "height_low_m", "height_high_m", "plant_area_m2", "leaf_area_m2"}},
+      {"row_metre",
+       {"row_number", "chainage_m", "scan_date", "leaf_area_per_m", "plant_area_per_m", "canopy_height_m",
+        "canopy_width_m", "canopy_base_m", "row_gap_share", "porosity", "leaf_layer_number", "exposed_leaf_share",
+        "fruit_zone_area_per_m", "fruit_zone_density"}},
       {"panel_by_date", {"OGC_FID", "geom", "panel_uid", "scan_date", "leaf_area_per_m"}},
       {"panel_wide", {"panel_uid", "leaf_area_per_m_2018_12_12", "leaf_area_per_m_2019_02_11"}}};
   for (const auto& [table, wanted] : contract) {
@@ -136,6 +163,8 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   first.lai = kNan;
   first.wood_scan_id = "scan-2018-12-12";
   block.scans[0].scan.leaf_note = "dormant";
+  block.scans[0].scan.fruit_zone_low_m = 0.75;
+  first.descriptors.exposed_leaf_share = kNan;
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   OGRLayer* values = reader.layer("panel_value");
@@ -160,6 +189,20 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   EXPECT_EQ(real("se_plant_area_m2"), 0.1875);
   EXPECT_STREQ(row->GetFieldAsString("wood_scan_id"), "scan-2018-12-12");
   EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_scan_id IS NULL"), "11") << "none, not ''";
+  EXPECT_EQ(real("canopy_base_m"), 0.875);
+  EXPECT_EQ(real("porosity"), 0.1875);
+  EXPECT_EQ(real("leaf_layer_number"), 2.5);
+  EXPECT_TRUE(row->IsFieldNull(row->GetFieldIndex("exposed_leaf_share")));
+  EXPECT_EQ(real("fruit_zone_density"), 2.25);
+  EXPECT_EQ(reader.value("SELECT fruit_zone_low_m FROM scan WHERE scan_id = 'scan-2018-12-12'"), "0.75");
+  EXPECT_EQ(reader.value("SELECT fruit_zone_high_m FROM scan WHERE scan_id = 'scan-2018-12-12'"), "NULL");
+  EXPECT_EQ(reader.value("SELECT count(*) FROM panel_profile"), std::to_string(2 * 6 * 2));
+  EXPECT_EQ(reader.value("SELECT leaf_area_m2 FROM panel_profile WHERE panel_uid = 'panel-1-1' AND scan_id = "
+                         "'scan-2018-12-12' AND height_high_m = 1.25"),
+            "5.6875");
+  EXPECT_EQ(reader.value("SELECT count(*) FROM row_metre WHERE canopy_height_m = 1.5 AND leaf_layer_number = 2 AND "
+                         "fruit_zone_density IS NULL"),
+            std::to_string(2 * 2 * 39));
   EXPECT_EQ(reader.value("SELECT leaf_note FROM scan WHERE leaf_note IS NOT NULL"), "dormant");
   EXPECT_EQ(reader.value("SELECT scan_date FROM scan WHERE scan_id = 'scan-2018-12-12'"), "2018/12/12");
   EXPECT_EQ(reader.value("SELECT CAST(end_utc AS TEXT) FROM scan WHERE scan_id = 'scan-2018-12-12'"),
@@ -216,8 +259,8 @@ TEST(GeoPackage, EveryMeasuredColumnSaysItsUnit) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_geopackage(make_block(2, 2, two_dates), folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
-  for (const char* table :
-       {"vine_row", "panel", "post", "scan", "panel_value", "row_metre", "panel_by_date", "panel_wide"}) {
+  for (const char* table : {"vine_row", "panel", "post", "scan", "panel_value", "panel_profile", "row_metre",
+                            "panel_by_date", "panel_wide"}) {
     for (const std::string& column : reader.columns(table)) {
       if (column == "fid" || column == "OGC_FID" || column == "geom") continue;
       const std::string text = reader.value("SELECT description FROM gpkg_data_columns WHERE table_name = '" +

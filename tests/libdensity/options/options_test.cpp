@@ -12,10 +12,10 @@ namespace {
 
 template <class Options>
 class EveryOptionOf : public ::testing::Test {};
-using AllOptions =
-    ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions, PostOptions,
-                     RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions,
-                     IntegrationOptions, PlanRasterOptions, LeafOptions, MissingRayOptions, GapOptions>;
+using AllOptions = ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions,
+                                    PostOptions, RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles,
+                                    VoxelOptions, EstimatorOptions, IntegrationOptions, PlanRasterOptions, LeafOptions,
+                                    DescriptorOptions, MissingRayOptions, GapOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {
@@ -48,13 +48,14 @@ TEST(ProcessOptions, RefuseValuesOutOfRangeInAnyGroup) {
 }
 
 TEST(ProcessOptions, RefuseValuesThatDoNotFitTogether) {
-  ProcessOptions heights, posts, panels, tops, sizes;
+  ProcessOptions heights, posts, panels, tops, sizes, zone;
   heights.canopy.tall_min_m = 2;
   posts.posts.low_max_m = 0.35;
   panels.posts.max_panel_m = 2;
   tops.segments.max_height_m = 0.8;
   sizes.voxel_fit.min_m = 0.13;
-  for (const ProcessOptions& options : {heights, posts, panels, tops, sizes})
+  zone.descriptors.fruit_zone_low_m = 1.3;
+  for (const ProcessOptions& options : {heights, posts, panels, tops, sizes, zone})
     EXPECT_EQ(options.validate().error().code, ErrorCode::usage);
 }
 

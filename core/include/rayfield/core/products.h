@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,20 @@ struct PostProduct {
   std::string row_name = {}, valid_from = {}, valid_to = {}, source = {};
 };
 
+/// How dense, how open and how whole the canopy of a stretch of row is (docs/descriptors.md). What lines across the row
+/// meet is averaged over the canopy's outline seen from the side: half metres that are no gaps, each between its own
+/// lower and upper edge. NaN = not scanned, or undefined where there is no canopy.
+struct CanopyDescriptors {
+  static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+  double canopy_base_m = kUndefined;          ///< lower edge of the canopy above the ground
+  double row_gap_share = kUndefined;          ///< share of the row's length without canopy, by half metres
+  double porosity = kUndefined;               ///< share of lines that meet neither leaf nor wood
+  double leaf_layer_number = kUndefined;      ///< leaves that a line meets, mean
+  double exposed_leaf_share = kUndefined;     ///< share of these that are the first or the last of their line
+  double fruit_zone_area_per_m = kUndefined;  ///< one-sided leaf area between two heights per metre of row, m²/m
+  double fruit_zone_density = kUndefined;     ///< the same per volume, over the canopy's width, m²/m³
+};
+
 struct ScanProduct {
   std::string scan_id;
   std::string scan_date;  ///< YYYY-MM-DD
@@ -58,6 +73,8 @@ struct ScanProduct {
   bool aligned = true;                                    ///< false: it lies where its positioning put it
   std::string wood_scan_id;  ///< dormant scan whose wood was subtracted for the leaf areas; empty: none
   std::string leaf_note;     ///< what the leaf areas hold where that is not leaves alone
+  double fruit_zone_low_m = CanopyDescriptors::kUndefined;  ///< heights between which the fruit zone was taken
+  double fruit_zone_high_m = CanopyDescriptors::kUndefined;
 };
 
 /// One panel on one date. Areas are one-sided.
@@ -77,6 +94,14 @@ struct PanelValue {
   std::int64_t ray_count = 0;
   double se_plant_area_m2 = 0;
   std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: leaf_area_m2 holds canes and wires
+  CanopyDescriptors descriptors = {};
+};
+
+/// The areas of a panel between two heights above the ground, on one date. Bands of a panel add up to its areas.
+struct PanelProfileBand {
+  std::string panel_uid, scan_id, scan_date;
+  double height_low_m = 0, height_high_m = 0;
+  double plant_area_m2 = 0, leaf_area_m2 = 0;  ///< as PanelValue's
 };
 
 /// Half a metre of row on one date.
@@ -86,6 +111,8 @@ struct RowMetreProduct {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   std::string scan_id, scan_date;
   double leaf_area_per_m = 0, plant_area_per_m = 0;
+  double canopy_height_m = CanopyDescriptors::kUndefined, canopy_width_m = CanopyDescriptors::kUndefined;
+  CanopyDescriptors descriptors = {};
 };
 
 /// One map of one date; cell (0,0) is the south-west one, NaN = not scanned.
@@ -110,7 +137,8 @@ struct ScanResults {
   std::vector<PanelValue> panel_values;
   std::vector<RowMetreProduct> row_metres;
   std::vector<SectionProduct> sections;
-  double element_area_m2 = 0;  ///< of one leaf, as measured from neighbouring beams or given
+  double element_area_m2 = 0;                  ///< of one leaf, as measured from neighbouring beams or given
+  std::vector<PanelProfileBand> profile = {};  ///< panel by panel, from below
 };
 
 /// A block with all its dates (rasters travel apart: they are large).

@@ -42,7 +42,8 @@ Result<void> write_panel_fields(const std::string& path);
 Result<void> write_panels_csv(const BlockProducts& block, const std::string& path);
 
 /// All half metres of row on all dates: row_number, chainage_m, easting_m, northing_m, scan_id, scan_date,
-/// leaf_area_per_m, plant_area_per_m, block, farm, variety, longitude, latitude. Otherwise as write_panels_csv().
+/// leaf_area_per_m, plant_area_per_m, canopy_height_m, canopy_width_m, canopy descriptors, block, farm, variety,
+/// longitude, latitude. Otherwise as write_panels_csv().
 Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path);
 
 }  // namespace rayfield::formats

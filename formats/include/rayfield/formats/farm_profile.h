@@ -10,11 +10,12 @@ namespace rayfield::formats {
 /// rules. docs/farm-systems.md has where each of them is stated, and what is not stated anywhere.
 struct FarmProfile {
   std::string_view name;
-  std::string_view folder;                          ///< inside the archive, with a slash at its end
-  bool projection_files = true;                     ///< with .prj and .cpg beside .shp, .shx and .dbf
-  bool field_dictionary = false;                    ///< with a text file that says what the columns mean
-  bool numbers_only = false;                        ///< columns of text and dates are left out
-  std::size_t most_columns = 0, most_features = 0;  ///< that the system takes; 0: as many as there are
+  std::string_view folder;        ///< inside the archive, with a slash at its end
+  bool projection_files = true;   ///< with .prj and .cpg beside .shp, .shx and .dbf
+  bool field_dictionary = false;  ///< with a text file that says what the columns mean
+  bool numbers_only = false;      ///< columns of text and dates are left out
+  std::size_t most_columns = 0;   ///< that the system takes, the others are left out; 0: as many as there are
+  std::size_t most_features = 0;  ///< with more it is refused; 0: as many as there are
 };
 
 /// All that are known, the plain one first.

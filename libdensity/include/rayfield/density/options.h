@@ -201,6 +201,28 @@ struct IntegrationOptions {
   Result<void> validate() const;
 };
 
+/// What growers ask of a canopy (docs/descriptors.md). Its edges are those of IntegrationOptions::height_share and
+/// width_share.
+struct DescriptorOptions {
+  double fruit_zone_low_m = 0.8;
+  double fruit_zone_high_m = 1.2;
+  double gap_area_share = 0.2;
+  double profile_band_m = 0.25;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.number("fruit_zone_low_m", o.fruit_zone_low_m, {0, 10},
+             "Lower end of the fruit zone above the ground. The zone is the farm's to name; the default is that of "
+             "shoots that are trained upwards from a wire at 0.8 or 0.9 m");
+    v.number("fruit_zone_high_m", o.fruit_zone_high_m, {0, 10}, "Its upper end, above fruit_zone_low_m");
+    v.number("gap_area_share", o.gap_area_share, {0, 1},
+             "A half metre of row is a gap where it has less than this share of the canopy area of the upper quartile "
+             "of its row's half metres");
+    v.number("profile_band_m", o.profile_band_m, {0.05, 5}, "Height of a band of the vertical profile");
+  }
+  Result<void> validate() const;
+};
+
 /// Leaf areas, where a dormant scan shows the wood (docs/density.md, "Leaf area").
 struct LeafOptions {
   double wood_error = 0.05;
@@ -244,6 +266,7 @@ struct ProcessOptions {
   IntegrationOptions integration;
   PlanRasterOptions plan;
   LeafOptions leaf;
+  DescriptorOptions descriptors;
 
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
   bool redo = false;                                    ///< make everything anew; for all scans, the layout too
@@ -266,6 +289,7 @@ struct ProcessOptions {
     v.group("integration", o.integration);
     v.group("plan", o.plan);
     v.group("leaf", o.leaf);
+    v.group("descriptors", o.descriptors);
   }
   /// Ranges, and what has to fit together.
   Result<void> validate() const;

@@ -21,12 +21,15 @@ struct Truth {
     int row = 0, panel = 0;
     Eigen::Vector2d from, to;  ///< ends on the row's centreline
     double length_m = 0, leaf_area_m2 = 0, wood_area_m2 = 0;
+    CanopyTruth canopy = {};
+    std::vector<CanopyBand> profile = {};
   };
   struct Metre {
     int row = 0;
     double along_m = 0;  ///< chainage of its middle
     Eigen::Vector2d position;
     double leaf_area_per_m = 0, wood_area_per_m = 0;
+    CanopyTruth canopy = {};
   };
 
   Site site;

@@ -61,6 +61,26 @@ struct RowAreas {
   IntervalAreas panels, metres;  ///< `metres`: every 0.5 m, the last shorter where the length wants it
 };
 
+/// The canopy of a stretch of row as an estimator should describe it, from the triangles themselves
+/// (docs/simulation.md, "Canopy"). Canopy is leaves, canes, cordons and wires above 0.3 m over the ground, without
+/// posts and trunks. Heights are over the ground under the row. NaN where there is no canopy.
+struct CanopyTruth {
+  double base_m = 0, height_m = 0, width_m = 0;  ///< lower and upper edge; across the row
+  double row_gap_share = 0;
+  double porosity = 0;             ///< share of lines across the row that meet nothing
+  double leaf_layer_number = 0;    ///< leaves on a line, mean
+  double canopy_layer_number = 0;  ///< leaves, canes, cordons and wires on a line, mean
+  double exposed_leaf_share = 0;   ///< share of the leaves on lines that are the first or the last of theirs
+};
+/// Areas between two heights of a panel.
+struct CanopyBand {
+  double low_m = 0, high_m = 0, leaf_m2 = 0, wood_m2 = 0;
+};
+struct RowCanopy {
+  std::vector<CanopyTruth> panels, metres;        ///< as RowAreas
+  std::vector<std::vector<CanopyBand>> profiles;  ///< of each panel, from the ground up
+};
+
 /// A block on one date, ready for ray casting. Copies share the scene.
 class World {
  public:
@@ -71,8 +91,9 @@ class World {
   const Terrain& terrain() const;
   const std::vector<Vine>& vines() const;
   const std::vector<Post>& posts() const;
-  const std::vector<RowAreas>& areas() const;  ///< one per row
-  std::uint64_t leaf_count() const;            ///< leaves present
+  const std::vector<RowAreas>& areas() const;    ///< one per row
+  const std::vector<RowCanopy>& canopy() const;  ///< one per row
+  std::uint64_t leaf_count() const;              ///< leaves present
   std::uint64_t triangle_count() const;
 
   /// The nearest surface from `origin` (ENU, m) along the unit vector `direction`, `time_s` after the start of the
