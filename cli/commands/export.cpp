@@ -31,6 +31,7 @@ Result<Outcome> run_export(const ExportArguments& arguments, const Context& cont
   options.dates = arguments.dates;
   options.snapshot = arguments.snapshot;
   options.overwrite = context.options.overwrite;
+  options.threads = context.options.threads, options.memory_bytes = context.options.memory_bytes;
   if (context.options.dry_run) {
     RAYFIELD_ASSIGN(const Needs needs, export_needs(store, options));
     outcome.text = fmt::format("Would export {} to {}\n", arguments.store, arguments.folder);

@@ -28,6 +28,18 @@ Result<void> add_raster(const density::StoredRaster& raster, formats::ScaleFit& 
   return {};
 }
 
+// Side views and end-on sections, of one scan at a time.
+Result<void> add_sections(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
+                          std::map<std::string, formats::ScaleFit>& fits) {
+  for (const char* kind : {"side_view", "end_on"}) {
+    formats::ScaleFit& fit = fits.try_emplace(kind, kind).first->second;
+    RAYFIELD_ASSIGN(const auto sections, density::load_sections(store, snapshot, scan, kind));
+    for (const SectionProduct& section : sections) fit.add(section.grid.values);
+    fit.end_date();
+  }
+  return {};
+}
+
 bool has_results(const tile::ScanEntry& scan) {
   return std::any_of(scan.derived.begin(), scan.derived.end(),
                      [](const tile::DerivedEntry& entry) { return entry.kind == "results"; });
@@ -48,6 +60,7 @@ Result<BlockScales> fit_block_scales(const tile::Store& store, const tile::Snaps
       RAYFIELD_ASSIGN(const density::StoredRaster raster, density::open_raster(store, snapshot, scan, name));
       RAYFIELD_CHECK(add_raster(raster, fits.try_emplace(scale_name(name), scale_name(name)).first->second));
     }
+    RAYFIELD_CHECK(add_sections(store, snapshot, scan, fits));
   }
   RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, scan_ids));
   formats::ScaleFit& panels = fits.try_emplace(kPanelValue, kPanelValue).first->second;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "cli/console/output_paths.h"
+#include "cli/products/export_pictures.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
 
@@ -60,9 +61,11 @@ Result<void> write_change_map(Products& p, const std::string& name) {
   if (name != "plan_density") return {};
   formats::PictureOptions picture;
   picture.title = fmt::format("{}, change of the canopy", p.block.block);
-  picture.subtitle = p.dates();
-  return formats::write_plan_picture(change, formats::change_overlay(p.block, p.comparison),
-                                     p.path(change.name + ".png"), picture);
+  picture.subtitle = p.dates() + "   " + reference_name(p.block.crs);
+  for (const char* ending : {".png", ".svg"})
+    RAYFIELD_CHECK(formats::write_plan_picture(change, formats::change_overlay(p.block, p.comparison),
+                                               p.path(change.name + ending), picture));
+  return {};
 }
 
 Result<void> write_products(Products& p, Progress& progress) {

@@ -3,76 +3,27 @@
 #include <fmt/core.h>
 
 #include <optional>
-#include <span>
 
 #include "cli/products/block_scales.h"
 #include "cli/products/exchange_products.h"
+#include "cli/products/export_clouds.h"
 #include "cli/products/export_folder.h"
+#include "cli/products/export_pictures.h"
+#include "cli/products/export_source.h"
 #include "cli/products/export_stac.h"
-#include "rayfield/core/sha256.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
-#include "version.h"
 
 namespace rayfield::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Everything that a product depends on, as one digest.
-class Source {
- public:
-  explicit Source(std::string_view product) { add(kVersion).add(product); }
-  Source& add(std::string_view text) {
-    hash_.update(std::as_bytes(std::span(text)));
-    hash_.update(std::string_view("\0", 1));
-    return *this;
-  }
-  Source& add(double number) { return add(fmt::format("{}", number)); }
-  std::string hex() { return hash_.hex(); }
-
- private:
-  Sha256 hash_;
-};
-
-// The scan's derived file of that kind and name, by its content.
-std::string derived_sha256(const tile::ScanEntry& scan, std::string_view kind, std::string_view name) {
-  for (const tile::DerivedEntry& entry : scan.derived)
-    if (entry.kind == kind && entry.name == name) return entry.file.sha256;
-  return {};
-}
-
 // The block's layout, on whose frame all rasters lie.
 std::string layout_source(const tile::Snapshot& snapshot) {
   Source source("layout");
   for (const tile::DerivedEntry& entry : snapshot.registry) source.add(entry.file.sha256);
   return source.hex();
-}
-
-// What is marked in the side views.
-std::string posts_source(const BlockProducts& block) {
-  Source source("posts");
-  for (const PostProduct& post : block.posts) source.add(post.row_number).add(post.chainage_m);
-  return source.hex();
-}
-
-// What lies over the plan views.
-std::string overlay_source(const BlockProducts& block) {
-  Source source("overlay");
-  for (const RowProduct& row : block.rows) {
-    source.add(row.row_number);
-    for (const Eigen::Vector2d& p : row.centreline) source.add(p.x()).add(p.y());
-  }
-  for (const PanelProduct& panel : block.panels)
-    for (const Eigen::Vector2d& p : panel.outline) source.add(p.x()).add(p.y());
-  for (const PostProduct& post : block.posts)
-    source.add(post.position.x()).add(post.position.y()).add(post.chainage_m).add(post.detected ? 1 : 0);
-  return source.hex();
-}
-
-// On which colours the values lie.
-std::string scale_source(const formats::ColorScale& scale) {
-  return Source("scale").add(scale.low).add(scale.high).hex();
 }
 
 // Of a raster by its name.
@@ -113,7 +64,7 @@ struct MapExport {
   const BlockProducts& block;
   const BlockScales& scales;
   const ExportOptions& options;
-  std::string layout, overlay;  // digests of the rows' layout, and of what is drawn over pictures
+  std::string layout;  // digest of the rows' layout
 
   bool wants(const char* format) const { return options.formats.count(format) > 0; }
 };
@@ -146,58 +97,8 @@ Result<void> export_raster(const MapExport& maps, const tile::ScanEntry& scan, c
   return {};
 }
 
-// The density map of one scan as a picture.
-Result<void> export_plan_picture(const MapExport& maps, const tile::ScanEntry& scan, ExportFolder& folder) {
-  constexpr const char* kName = "plan_density";
-  const std::string file = fmt::format("{}_{}_{}.png", maps.block.block, scan.scan_id, kName);
-  const formats::ColorScale& scale = maps.scales.at(kName);
-  const std::string source = Source("png")
-                                 .add(scan.name)
-                                 .add(scan.date)
-                                 .add(maps.layout)
-                                 .add(maps.overlay)
-                                 .add(scale_source(scale))
-                                 .add(derived_sha256(scan, "raster", kName))
-                                 .hex();
-  if (!folder.wants(file, source)) return {};
-  RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(maps.store, maps.snapshot, scan, kName));
-  formats::PictureOptions picture;
-  picture.scale = scale;
-  picture.title = maps.block.block;
-  picture.subtitle = scan.name.empty() ? scan.date : scan.date + ", " + scan.name;
-  return formats::write_plan_picture(raster, formats::block_overlay(maps.block), folder.path(file), picture);
-}
-
-// The rasters of one scan, and the picture of its density map.
 Result<void> export_rasters(const MapExport& maps, const tile::ScanEntry& scan, ExportFolder& folder) {
-  for (const std::string& name : density::raster_names(scan)) {
-    RAYFIELD_CHECK(export_raster(maps, scan, name, folder));
-    if (name == "plan_density" && maps.wants("png")) RAYFIELD_CHECK(export_plan_picture(maps, scan, folder));
-  }
-  return {};
-}
-
-// Side views of all rows on one sheet, end-on sections on another.
-Result<void> export_sections(const tile::Store& store, const tile::Snapshot& snapshot, const tile::ScanEntry& scan,
-                             const BlockProducts& block, const std::string& source, ExportFolder& folder) {
-  for (const auto& [kind, title] : {std::pair{"side_view", "side views"}, std::pair{"end_on", "end-on sections"}}) {
-    const std::string name = fmt::format("{}_{}_{}.png", block.block, scan.scan_id, kind);
-    if (!folder.wants(name, source)) continue;
-    RAYFIELD_ASSIGN(const std::vector<SectionProduct> sections, density::load_sections(store, snapshot, scan, kind));
-    std::vector<formats::LabelledSection> sheet;
-    for (const SectionProduct& section : sections) {
-      formats::LabelledSection labelled{&section, fmt::format("row {}", section.row_number), {}};
-      if (std::string_view(kind) == "side_view") {
-        for (const PostProduct& post : block.posts)
-          if (post.row_number == section.row_number) labelled.marks_m.push_back(post.chainage_m);
-      }
-      sheet.push_back(std::move(labelled));
-    }
-    formats::PictureOptions picture;
-    picture.title = fmt::format("{}, {}", block.block, title);
-    picture.subtitle = scan.date;
-    RAYFIELD_CHECK(formats::write_section_picture(sheet, folder.path(name), picture));
-  }
+  for (const std::string& name : density::raster_names(scan)) RAYFIELD_CHECK(export_raster(maps, scan, name, folder));
   return {};
 }
 
@@ -268,19 +169,17 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   const auto write = geopackage_options(snapshot, block, scales, output, options);
   RAYFIELD_CHECK(export_tables(block, write, content, carry_over_from, options, output));
   progress.advance(1);
-  const MapExport maps{store, snapshot, block, scales, options, layout_source(snapshot), overlay_source(block)};
-  const std::string posts = posts_source(block);
+  const MapExport maps{store, snapshot, block, scales, options, layout_source(snapshot)};
+  const PictureExport pictures{store, snapshot, block, scales, options, maps.layout, reference_name(block.crs)};
   for (const ScanResults& results : block.scans) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder.string(), "", "run the same command again");
     const tile::ScanEntry& scan = *snapshot.find_scan(results.scan.scan_id);
     RAYFIELD_CHECK(export_rasters(maps, scan, output));
-    const std::string sections = Source("sections").add(derived_sha256(scan, "results", "block")).add(posts).hex();
-    // A scan that shows no row has neither half metres nor sections.
-    if (options.formats.count("png") > 0 && !results.row_metres.empty())
-      RAYFIELD_CHECK(export_sections(store, snapshot, scan, block, sections, output));
+    RAYFIELD_CHECK(export_pictures(pictures, results, output));
     progress.advance(1);
   }
+  if (wants_clouds(options)) RAYFIELD_CHECK(export_clouds(store, snapshot, block, options, progress, output));
   if (options.formats.count("geotiff") > 0) RAYFIELD_CHECK(export_stac(store, snapshot, block, content, output));
   RAYFIELD_CHECK(output.publish(snapshot.number, content));
   return ExportReport{snapshot.number, output.products(), output.written_count()};

@@ -16,11 +16,13 @@ namespace rayfield::cli {
 /// What `rayfield export` writes.
 struct ExportOptions {
   std::set<std::string> formats = {"geotiff", "gpkg", "png"};
-  std::set<std::string> profiles;         ///< farm systems for which shapefiles are written
-  std::vector<std::string> dates;         ///< scan ids or dates; empty = all
-  std::optional<std::uint64_t> snapshot;  ///< number; the newest if absent
-  bool keep_unchanged = false;            ///< leave products in the folder that would be made of the same
-  bool overwrite = false;                 ///< replace a GeoPackage even if something is lost with it
+  std::set<std::string> profiles;                       ///< farm systems for which shapefiles are written
+  std::vector<std::string> dates;                       ///< scan ids or dates; empty = all
+  std::optional<std::uint64_t> snapshot;                ///< number; the newest if absent
+  bool keep_unchanged = false;                          ///< leave products in the folder that would be made of the same
+  bool overwrite = false;                               ///< replace a GeoPackage even if something is lost with it
+  int threads = 0;                                      ///< for point clouds, 0 = all processors
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bound on what point clouds have resident
 };
 
 /// What was exported.

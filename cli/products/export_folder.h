@@ -29,6 +29,8 @@ class ExportFolder {
   bool has(const std::string& name) const;
   /// Where to write it.
   std::string path(const std::string& name) const { return products_.path(name); }
+  /// Where files without a name may be made while the work goes on.
+  std::filesystem::path scratch() const { return std::filesystem::path(path("file")).parent_path(); }
 
   /// Publishes what was written, and the list. `content` names all that was exported, for holds().
   Result<void> publish(std::uint64_t snapshot, const std::string& content);

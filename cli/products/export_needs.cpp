@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/products/export_clouds.h"
 #include "rayfield/density/load.h"
 
 namespace rayfield::cli {
@@ -38,8 +39,10 @@ Result<Needs> export_needs(const tile::Store& store, const ExportOptions& option
     cells = std::max(cells, static_cast<double>(raster.product().grid.nx) * raster.product().grid.ny);
     if (wants("geotiff")) bytes += maps + kTiffBytes * map_count;
     if (wants("geotiff-plain")) bytes += sizeof(float) * cells * map_count;
-    if (wants("png")) bytes += kPictureBytes + kPictureBytesPerMetre * metres + kPictureBytesPerCell * cells;
+    for (const char* format : {"png", "svg"})
+      if (wants(format)) bytes += kPictureBytes + kPictureBytesPerMetre * metres + kPictureBytesPerCell * cells;
     if (wants("gpkg")) bytes += kGeoPackagePanel * panels + kGeoPackageMetre * metres;
+    bytes += cloud_bytes(scan, options);
     if (wants("csv")) bytes += kCsvPanel * panels + kCsvMetre * metres;
     if (wants("geojson")) bytes += kGeoJsonPanel * panels;
     if (wants("kml")) bytes += kKmlPanel * panels;

@@ -7,6 +7,7 @@
 #include <list>
 
 #include "cli/console/output_paths.h"
+#include "cli/products/block_scales.h"
 #include "rayfield/density/load.h"
 #include "rayfield/density/season.h"
 #include "rayfield/formats/formats.h"
@@ -52,8 +53,8 @@ std::string stack_label(const std::vector<SeasonValue>& values, int row, const S
 
 // One row's side views, date under date.
 Result<void> write_row_stack(const tile::Store& store, const tile::Snapshot& snapshot, const BlockProducts& block,
-                             const std::vector<SeasonValue>& values, const RowProduct& row, const fs::path& folder,
-                             Paths& written) {
+                             const std::vector<SeasonValue>& values, const RowProduct& row,
+                             const formats::ColorScale& scale, const fs::path& folder, Paths& written) {
   std::list<std::vector<SectionProduct>> views;
   std::vector<formats::LabelledSection> dates;
   for (const ScanResults& results : block.scans) {
@@ -70,9 +71,13 @@ Result<void> write_row_stack(const tile::Store& store, const tile::Snapshot& sna
   formats::PictureOptions options;
   options.title = fmt::format("{}, row {}", block.block, row.row_number);
   options.subtitle = "side views through the season";
+  options.scale = scale;
   options.max_height_px = 20000;  // the more dates, the higher: no date is drawn smaller for it
-  written.push_back(folder / fmt::format("{}_row_{}_stack.png", block.block, row.row_number));
-  return formats::write_row_stack_picture(dates, written.back().string(), options);
+  for (const char* ending : {"png", "svg"}) {
+    written.push_back(folder / fmt::format("{}_row_{}_stack.{}", block.block, row.row_number, ending));
+    RAYFIELD_CHECK(formats::write_row_stack_picture(dates, written.back().string(), options));
+  }
+  return {};
 }
 
 }  // namespace
@@ -92,10 +97,12 @@ Result<SeasonReport> report_season(const tile::Store& store, const std::optional
   RAYFIELD_CHECK(formats::write_season_csv(report.values, report.files.back().string()));
   RAYFIELD_CHECK(write_curves(block, report.values, *folder, report.files));
   progress.advance(1);
+  RAYFIELD_ASSIGN(const BlockScales scales, fit_block_scales(store, snapshot, progress));
   for (const RowProduct& row : block.rows) {
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", folder->string(), "", "run the same command again");
-    RAYFIELD_CHECK(write_row_stack(store, snapshot, block, report.values, row, *folder, report.files));
+    RAYFIELD_CHECK(
+        write_row_stack(store, snapshot, block, report.values, row, scales.at("side_view"), *folder, report.files));
     progress.advance(1);
   }
   return report;

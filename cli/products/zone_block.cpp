@@ -3,9 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "cli/console/output_paths.h"
+#include "cli/products/block_scales.h"
 #include "cli/products/exchange_products.h"
+#include "cli/products/export_pictures.h"
 #include "rayfield/density/load.h"
 #include "rayfield/formats/formats.h"
 
@@ -48,6 +51,23 @@ Result<std::vector<density::ZoneSample>> take_samples(const tile::Store& store, 
   return density::row_samples(block.scans.front());
 }
 
+// The map of canopy density with the zones shaded on it.
+Result<void> draw_map(const tile::Store& store, const tile::Snapshot& snapshot, const ZoneMap& map,
+                      const std::array<std::string, 2>& paths, Progress& progress) {
+  const tile::ScanEntry& scan = *snapshot.find_scan(map.scan.scan_id);
+  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, {scan.scan_id}));
+  RAYFIELD_ASSIGN(const BlockScales scales, fit_block_scales(store, snapshot, progress));
+  RAYFIELD_ASSIGN(const RasterProduct raster, density::load_raster(store, snapshot, scan, "plan_density"));
+  formats::PictureOptions picture;
+  picture.scale = scales.at("plan_density");
+  picture.title = fmt::format("{}, management zones", map.block);
+  picture.subtitle = map.scan.scan_date + "   " + reference_name(map.crs);
+  for (const std::string& path : paths)
+    RAYFIELD_CHECK(
+        formats::write_plan_picture(raster, formats::zone_overlay(block, map.zones, map.unit), path, picture));
+  return {};
+}
+
 Result<ZoneMap> make_zones(const tile::Store& store, const tile::Snapshot& snapshot, const ZoneRequest& request) {
   RAYFIELD_ASSIGN(const std::string scan_id, scan_of(snapshot, request.date));
   RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, {scan_id}));
@@ -69,8 +89,9 @@ Result<ZoneMap> make_zones(const tile::Store& store, const tile::Snapshot& snaps
 }
 
 // Zones on their own, and with rates also what a machine applies.
-Result<void> write_products(const ZoneMap& map, const std::optional<Prescription>& rates, const ZoneRequest& request,
-                            ZoneReport& report) {
+Result<void> write_products(const tile::Store& store, const tile::Snapshot& snapshot, const ZoneMap& map,
+                            const std::optional<Prescription>& rates, const ZoneRequest& request, ZoneReport& report,
+                            Progress& progress) {
   const std::string stem = fmt::format("{}_{}_", map.block, map.scan.scan_id), last = stem + "zones.gpkg";
   RAYFIELD_CHECK(make_output_folder(*request.folder));
   RAYFIELD_ASSIGN(const formats::ProductFolder folder,
@@ -90,6 +111,7 @@ Result<void> write_products(const ZoneMap& map, const std::optional<Prescription
     RAYFIELD_CHECK(
         formats::write_zones_shapefile(map, rates, *formats::find_farm_profile(name),
                                        path(fmt::format("{}_{}.zip", rates ? "prescription" : "zones", name))));
+  RAYFIELD_CHECK(draw_map(store, snapshot, map, {path("zones.png"), path("zones.svg")}, progress));
   RAYFIELD_CHECK(formats::write_zones_geopackage(map, path("zones.gpkg")));
   return folder.publish();
 }
@@ -107,7 +129,7 @@ Result<ZoneReport> zone_block(const tile::Store& store, const ZoneRequest& reque
     const auto& [file, unit, product] = *request.rates;
     RAYFIELD_ASSIGN(rates, formats::read_rates(file, unit, product, report.map.zones));
   }
-  if (request.folder) RAYFIELD_CHECK(write_products(report.map, rates, request, report));
+  if (request.folder) RAYFIELD_CHECK(write_products(store, snapshot, report.map, rates, request, report, progress));
   progress.advance(1);
   return report;
 }

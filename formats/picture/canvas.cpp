@@ -156,6 +156,20 @@ void Canvas::polygon(std::span<const Eigen::Vector2d> points, const Rgba& fill) 
   cairo_fill(impl_->cairo);
 }
 
+void Canvas::rings(std::span<const std::vector<Eigen::Vector2d>> rings, const Rgba& fill) {
+  cairo_t* cairo = impl_->cairo;
+  cairo_new_path(cairo);
+  for (const std::vector<Eigen::Vector2d>& ring : rings) {
+    cairo_new_sub_path(cairo);
+    for (const Eigen::Vector2d& p : ring) cairo_line_to(cairo, p.x(), p.y());
+    cairo_close_path(cairo);
+  }
+  set_color(cairo, fill);
+  cairo_set_fill_rule(cairo, CAIRO_FILL_RULE_EVEN_ODD);
+  cairo_fill(cairo);
+  cairo_set_fill_rule(cairo, CAIRO_FILL_RULE_WINDING);
+}
+
 void Canvas::rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Rgba& fill) {
   cairo_new_path(impl_->cairo);
   cairo_rectangle(impl_->cairo, corner.x(), corner.y(), size.x(), size.y());

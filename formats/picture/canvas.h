@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rayfield/core/result.h"
 #include "rayfield/formats/style.h"
@@ -33,6 +34,8 @@ class Canvas {
 
   void polyline(std::span<const Eigen::Vector2d> points, const StrokeStyle& style, bool closed = false);
   void polygon(std::span<const Eigen::Vector2d> points, const Rgba& fill);
+  /// What lies inside an odd number of the rings.
+  void rings(std::span<const std::vector<Eigen::Vector2d>> rings, const Rgba& fill);
   void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Rgba& fill);
   void circle(const Eigen::Vector2d& center, double radius_px, const Rgba& fill);
   void text(const Eigen::Vector2d& position, std::string_view text, const TextStyle& style = {});

@@ -1,5 +1,7 @@
 #include "rayfield/formats/picture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +11,7 @@
 
 #include "formats/io/guard.h"
 #include "formats/picture/color.h"
+#include "formats/picture/end_on_drawing.h"
 #include "formats/picture/picture_elements.h"
 #include "formats/picture/plan_drawing.h"
 #include "formats/picture/render_grid.h"
@@ -30,6 +33,39 @@ void add_row_numbers(const BlockProducts& block, PlanOverlay& overlay) {
     TextStyle style{19, elements::kInk, true, Align::middle, Align::middle, 0, 2.5};
     overlay.labels.push_back(
         {length > 0 ? Vector2d(start - 0.9 / length * step) : start, std::to_string(row.row_number), style});
+  }
+}
+
+/// Where a centreline is at a chainage, and its direction there.
+std::pair<Vector2d, Vector2d> place_at(const std::vector<Vector2d>& line, double chainage_m) {
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2d step = line[i] - line[i - 1];
+    const double length = step.norm();
+    if (length > 0 && (chainage_m <= length || i + 1 == line.size()))
+      return {line[i - 1] + chainage_m / length * step, step / length};
+    chainage_m -= length;
+  }
+  return {line.front(), Vector2d::UnitX()};
+}
+
+/// Beside every panel, to the left of its row. The last row on that side has nothing beside it.
+void add_panel_numbers(const BlockProducts& block, PlanOverlay& overlay) {
+  std::map<int, const RowProduct*> rows;
+  for (const RowProduct& row : block.rows)
+    if (row.centreline.size() >= 2) rows[row.row_number] = &row;
+  for (const PanelProduct& panel : block.panels) {
+    const auto found = rows.find(panel.row_number);
+    if (found == rows.end() || panel.outline.size() < 3) continue;
+    const RowProduct& row = *found->second;
+    const auto [middle, along] = place_at(row.centreline, (panel.chainage_start_m + panel.chainage_end_m) / 2);
+    const Vector2d left(-along.y(), along.x());
+    double half_m = 0;
+    for (const Vector2d& p : panel.outline) half_m = std::max(half_m, std::abs((p - middle).dot(left)));
+    bool free = true;  // no other row on the left
+    for (const auto& [number, other] : rows)
+      free = free && (number == row.row_number || (other->centreline.front() - row.centreline.front()).dot(left) <= 0);
+    const double lane_m = free || !std::isfinite(row.spacing_m) ? 1e3 : row.spacing_m - 2 * half_m;
+    overlay.numbers.push_back({middle + half_m * left, left, panel.panel_number, panel.length_m, lane_m});
   }
 }
 
@@ -59,10 +95,32 @@ PlanOverlay block_overlay(const BlockProducts& block) {
     some_guessed = some_guessed || !p.detected;
   }
   add_row_numbers(block, overlay);
+  add_panel_numbers(block, overlay);
   if (!block.panels.empty()) overlay.keys.push_back({{kOutline, 1.6, 0}, "panel", {}});
   const PlanMarker seen{{0, 0}, kPost, 3}, hole{{0, 0}, kGuessed, 1.8};
   if (some_detected) overlay.keys.push_back({{}, "post", {seen}});
   if (some_guessed) overlay.keys.push_back({{}, "post, supposed", {seen, hole}});
+  return overlay;
+}
+
+PlanOverlay zone_overlay(const BlockProducts& block, std::span<const ManagementZone> zones, const std::string& unit) {
+  PlanOverlay overlay;
+  const std::span<const Rgba> stops = ramp_stops(Ramp::uncertainty);  // unlike the colours of the map below
+  for (const ManagementZone& zone : zones) {
+    // Low zones are light, high ones dark.
+    const double share = zones.size() > 1 ? (zone.zone - 1.0) / static_cast<double>(zones.size() - 1) : 0.5;
+    Rgba tint = stops[static_cast<std::size_t>(2 + std::lround(share * static_cast<double>(stops.size() - 4)))];
+    const StrokeStyle outline{tint, 2.2, 0};
+    tint.a = 95;
+    for (const ZonePart& part : zone.parts) {
+      PlanArea area{{part.exterior}, tint, outline};
+      area.rings.insert(area.rings.end(), part.holes.begin(), part.holes.end());
+      overlay.areas.push_back(std::move(area));
+    }
+    overlay.keys.push_back(
+        {outline, fmt::format("zone {}: {:.1f} {}", zone.zone, zone.mean, pretty_unit(unit)), {}, tint});
+  }
+  add_row_numbers(block, overlay);
   return overlay;
 }
 
@@ -117,6 +175,14 @@ Result<void> write_section_picture(std::span<const LabelledSection> sections, co
   return guarded(kPictureWhat, path, [&]() -> Result<void> {
     RAYFIELD_CHECK(options.validate());
     return draw_sections(sections, SectionOrder::one_after_the_other, path, options);
+  });
+}
+
+Result<void> write_end_on_picture(std::span<const LabelledSection> rows, const std::string& path,
+                                  const PictureOptions& options) {
+  return guarded(kPictureWhat, path, [&]() -> Result<void> {
+    RAYFIELD_CHECK(options.validate());
+    return draw_end_on(rows, path, options);
   });
 }
 

@@ -49,6 +49,9 @@ bool find_window(const Plan& plan, PlaneBox& box) {
   for (const PlanLine& line : plan.overlay.lines) {
     for (const Vector2d& p : line.points) extend(box, p);
   }
+  for (const PlanArea& area : plan.overlay.areas)
+    for (const auto& ring : area.rings)
+      for (const Vector2d& p : ring) extend(box, p);
   for (const PlanMarker& marker : plan.overlay.markers) extend(box, marker.position);
   for (const PlanLabel& label : plan.overlay.labels) extend(box, label.position);
   if (!box.low.allFinite() || !box.high.allFinite()) return false;
@@ -151,11 +154,18 @@ void draw_overlay(Canvas& canvas, const Layout& layout, const PlanOverlay& overl
     style.dash_px *= layout.unit;
     return style;
   };
-  for (const PlanLine& line : overlay.lines) {
+  const auto in_px = [&layout](const std::vector<Vector2d>& line) {
     std::vector<Vector2d> points;
-    for (const Vector2d& p : line.points) points.push_back(layout.px(p));
-    canvas.polyline(points, scaled(line.style), line.closed);
+    for (const Vector2d& p : line) points.push_back(layout.px(p));
+    return points;
+  };
+  for (const PlanArea& area : overlay.areas) {
+    std::vector<std::vector<Vector2d>> rings;
+    for (const auto& ring : area.rings) rings.push_back(in_px(ring));
+    canvas.rings(rings, area.fill);
+    for (const auto& ring : rings) canvas.polyline(ring, scaled(area.outline), true);
   }
+  for (const PlanLine& line : overlay.lines) canvas.polyline(in_px(line.points), scaled(line.style), line.closed);
   for (const PlanMarker& marker : overlay.markers) {
     draw_marker(canvas, layout.px(marker.position), marker, layout.unit);
   }
@@ -164,6 +174,23 @@ void draw_overlay(Canvas& canvas, const Layout& layout, const PlanOverlay& overl
     style.size_px *= layout.unit;
     style.halo_px *= layout.unit;
     canvas.text(layout.px(label.position), label.text, style);
+  }
+}
+
+/// Of every k-th thing, with the smallest k for which they do not touch.
+void draw_numbers(Canvas& canvas, const Layout& layout, const PlanOverlay& overlay) {
+  const TextStyle style{14 * layout.unit, {70, 76, 82, 255}, false, Align::middle, Align::middle, 0, 2 * layout.unit};
+  const double high_px = style.size_px, wide_px = 1.5 * canvas.text_width_px("88", style);
+  for (const PlanNumber& n : overlay.numbers) {
+    if (n.across_m * layout.px_per_m < high_px) continue;
+    int every = 1;
+    for (const int step : {1, 2, 5, 10, 20, 50, 100}) {
+      every = step;
+      if (step * n.along_m * layout.px_per_m >= wide_px) break;
+    }
+    if (n.number % every != 0 && (n.number != 1 || every == 2)) continue;
+    const Vector2d aside(n.aside.x(), -n.aside.y());
+    canvas.text(layout.px(n.position) + 0.62 * high_px * aside, std::to_string(n.number), style);
   }
 }
 
@@ -194,7 +221,13 @@ void draw_column(Canvas& canvas, const Layout& layout, const Plan& plan) {
     style.width_px *= unit;
     style.dash_px *= unit;
     const double middle = y + 11 * unit;
-    if (key.markers.empty()) {
+    if (key.fill) {
+      const Vector2d corner(x, y), size(34 * unit, 22 * unit);
+      canvas.rectangle(corner, size, *key.fill);
+      canvas.polyline(std::array<Vector2d, 4>{corner, corner + Vector2d(size.x(), 0), corner + size,
+                                              corner + Vector2d(0, size.y())},
+                      style, true);
+    } else if (key.markers.empty()) {
       canvas.polyline(std::array<Vector2d, 2>{Vector2d(x, middle), Vector2d(x + 34 * unit, middle)}, style);
     }
     for (const PlanMarker& marker : key.markers) draw_marker(canvas, {x + 17 * unit, middle}, marker, 1.5 * unit);
@@ -214,7 +247,7 @@ Result<void> draw_plan(const Plan& plan, const std::string& path) {
                 "there is nothing to draw, or a coordinate is not finite or beyond 1e9 m");
   }
   const Layout layout = arrange(plan, wanted);
-  RAYFIELD_ASSIGN(Canvas canvas, Canvas::create(layout.width, layout.height));
+  RAYFIELD_ASSIGN(Canvas canvas, Canvas::create(layout.width, layout.height, {255, 255, 255, 255}, format_of(path)));
   elements::header(canvas, plan.options, layout.margin, layout.unit);
   const Vector2d corner = layout.map_corner, size = layout.map_size;
   if (plan.raster != nullptr) {
@@ -228,6 +261,7 @@ Result<void> draw_plan(const Plan& plan, const std::string& path) {
   if (plan.options.coordinates) draw_axes(canvas, layout, plan.raster == nullptr);
   canvas.clip(corner, size);
   draw_overlay(canvas, layout, plan.overlay);
+  draw_numbers(canvas, layout, plan.overlay);
   canvas.unclip();
   elements::frame(canvas, corner, size, layout.unit);
   draw_column(canvas, layout, plan);

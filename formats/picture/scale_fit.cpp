@@ -18,8 +18,14 @@ constexpr double kShareAbove = 0.01;
 
 /// Where the scale of a product may end at the least; 0 for products that are not fitted.
 double lowest_end(std::string_view product) {
-  constexpr std::array<std::pair<std::string_view, double>, 5> kEnds = {
-      {{"plan_density", 5}, {"leaf_density", 5}, {"plan_density_se", 1}, {"canopy_height", 2}, {"leaf_area_per_m", 5}}};
+  constexpr std::array<std::pair<std::string_view, double>, 8> kEnds = {{{"plan_density", 5},
+                                                                         {"leaf_density", 5},
+                                                                         {"plan_density_se", 1},
+                                                                         {"canopy_height", 2},
+                                                                         {"leaf_area_per_m", 5},
+                                                                         {"voxel_density", 5},
+                                                                         {"side_view", 5},
+                                                                         {"end_on", 3}}};
   for (const auto& [name, end] : kEnds)
     if (name == product) return end;
   return 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "formats/picture/color.h"
 #include "formats/picture/picture_elements.h"
@@ -205,46 +204,46 @@ void draw_piece(Canvas& canvas, const Stack& stack, const Piece& piece, const Co
   if (piece.first_in_line) draw_height_axis(canvas, stack, piece);
 }
 
-/// Colour bar at the top right, its meaning above it, "not scanned" at its left.
-void draw_legend(Canvas& canvas, const Stack& stack, const SectionProduct& section, const PictureOptions& options,
-                 const ColorScale& scale, const elements::BarEnds& ends) {
-  const double unit = stack.unit, width = 400 * unit;
-  const double x = stack.width - stack.margin - width - 12 * unit, y = stack.margin;
+}  // namespace
+
+void draw_section_legend(Canvas& canvas, const SectionSheet& sheet, const SectionProduct& section,
+                         const PictureOptions& options, const ColorScale& scale) {
+  const double unit = sheet.unit, width = 400 * unit;
+  const double x = sheet.width_px - sheet.margin - width - 12 * unit, y = sheet.margin;
   const std::string meaning = options.legend.empty() ? elements::product_title(section.name) : options.legend;
   canvas.text({x, y}, meaning + ", " + pretty_unit(section.unit),
               {17 * unit, elements::kInk, false, Align::start, Align::start});
-  elements::horizontal_bar(canvas, scale, {x, y + 24 * unit}, {width, 22 * unit}, ends, unit);
+  elements::horizontal_bar(canvas, scale, {x, y + 24 * unit}, {width, 22 * unit}, sheet.ends, unit);
   elements::not_scanned_key(canvas, {x - 190 * unit, y + 24 * unit}, unit);
 }
 
-Result<void> check_section(const LabelledSection& labelled, const std::string& path) {
-  const SectionProduct* section = labelled.section;
-  const bool good = section != nullptr && section->grid.nx > 0 && section->grid.ny > 0 && section->grid.cell_m > 0 &&
-                    section->grid.origin.allFinite() &&
-                    section->grid.values.size() ==
-                        static_cast<std::size_t>(section->grid.nx) * static_cast<std::size_t>(section->grid.ny);
-  if (good) return {};
-  return fail(ErrorCode::internal, kPictureWhat, path, "a section has no cells or its size is inconsistent");
+Result<SectionRange> check_sections(std::span<const LabelledSection> sections, const std::string& path) {
+  if (sections.empty()) return fail(ErrorCode::usage, kPictureWhat, path, "there are no sections to draw");
+  SectionRange range;
+  for (const LabelledSection& labelled : sections) {
+    const SectionProduct* section = labelled.section;
+    const bool good = section != nullptr && section->grid.nx > 0 && section->grid.ny > 0 && section->grid.cell_m > 0 &&
+                      section->grid.origin.allFinite() &&
+                      section->grid.values.size() ==
+                          static_cast<std::size_t>(section->grid.nx) * static_cast<std::size_t>(section->grid.ny);
+    if (!good)
+      return fail(ErrorCode::internal, kPictureWhat, path, "a section has no cells or its size is inconsistent");
+    const auto [low, high] = value_range(section->grid);
+    range.low = std::fmin(range.low, low);
+    range.high = std::fmax(range.high, high);
+  }
+  return range;
 }
-
-}  // namespace
 
 Result<void> draw_sections(std::span<const LabelledSection> sections, SectionOrder order, const std::string& path,
                            const PictureOptions& options) {
-  if (sections.empty()) return fail(ErrorCode::usage, kPictureWhat, path, "there are no sections to draw");
-  double low = std::numeric_limits<double>::quiet_NaN(), high = low;
-  for (const LabelledSection& s : sections) {
-    RAYFIELD_CHECK(check_section(s, path));
-    const auto [own_low, own_high] = value_range(s.section->grid);
-    low = std::fmin(low, own_low);
-    high = std::fmax(high, own_high);
-  }
+  RAYFIELD_ASSIGN(const SectionRange range, check_sections(sections, path));
   const SectionProduct& first = *sections.front().section;
-  const ColorScale scale = options.scale.value_or(product_scale(first.name, low, high));
+  const ColorScale scale = options.scale.value_or(product_scale(first.name, range.low, range.high));
   const Stack stack = arrange(sections, order, options);
-  RAYFIELD_ASSIGN(Canvas canvas, Canvas::create(stack.width, stack.height));
+  RAYFIELD_ASSIGN(Canvas canvas, Canvas::create(stack.width, stack.height, {255, 255, 255, 255}, format_of(path)));
   elements::header(canvas, options, stack.margin, stack.unit);
-  draw_legend(canvas, stack, first, options, scale, {low<scale.low, high> scale.high});
+  draw_section_legend(canvas, {stack.width, stack.margin, stack.unit, range.beyond(scale)}, first, options, scale);
   for (const Piece& piece : stack.pieces) draw_piece(canvas, stack, piece, scale);
   return canvas.write(path);
 }

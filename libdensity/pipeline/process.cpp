@@ -14,6 +14,7 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/pipeline/processed_scan.h"
 #include "libdensity/pipeline/scan_products.h"
+#include "libdensity/scan/estimation.h"
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
@@ -89,6 +90,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   RAYFIELD_ASSIGN(scan.voxels.tiles,
                   count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));
   RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels));
+  RAYFIELD_CHECK(keep_estimation(work, scan.voxels.wood));
   scan.processed.leaf_size_m2 = results.element_area_m2;
   scan.processed.voxel_m = voxel_m;
   RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));

@@ -11,7 +11,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "processed";
-constexpr int kProcessedVersion = 1;
+constexpr int kProcessedVersion = 2;
 
 }  // namespace
 

@@ -12,7 +12,8 @@ std::size_t bytes_of(const TileVoxels& voxels) { return counter_bytes(voxels.row
 
 }  // namespace
 
-Result<int> rows_in_hand(const ScanWork& work, const RowSegmentList& list, bool wide) {
+Result<int> rows_in_hand(const ProcessOptions& options, const std::string& scan_id, const RowSegmentList& list,
+                         bool wide) {
   std::map<int, Shape3> shapes;  // of the rows' grids, no smaller than they are
   for (const RowSegment& s : list.row_segments) {
     Shape3& shape = shapes[s.row];
@@ -22,13 +23,23 @@ Result<int> rows_in_hand(const ScanWork& work, const RowSegmentList& list, bool 
   int largest = 0;
   for (const auto& [row, shape] : shapes)
     if (const std::size_t bytes = RowDensityBuilder::peak_bytes(shape, wide); bytes > most) most = bytes, largest = row;
-  return workers_within(work.memory.rows_bytes, most, work.threads, work.options,
-                        work.scan.scan_id + ", row " + std::to_string(largest));
+  const ProcessMemory memory(options);
+  return workers_within(memory.rows_bytes, most, memory.threads, options, scan_id + ", row " + std::to_string(largest));
 }
 
-Result<RowVoxels> RowVoxels::open(ScanWork& work, std::string prefix, std::span<const tile::TileIndex> tiles,
+Result<int> rows_in_hand(const ScanWork& work, const RowSegmentList& list, bool wide) {
+  return rows_in_hand(work.options, work.scan.scan_id, list, wide);
+}
+
+Result<RowVoxels> RowVoxels::open(const ScanWork& work, std::string prefix, std::span<const tile::TileIndex> tiles,
                                   std::size_t bytes) {
-  RowVoxels rows(work, std::move(prefix), bytes);
+  return open([&work](const std::string& name) { return work.files.read("voxels", name); }, std::move(prefix), tiles,
+              bytes);
+}
+
+Result<RowVoxels> RowVoxels::open(ReadVoxels read, std::string prefix, std::span<const tile::TileIndex> tiles,
+                                  std::size_t bytes) {
+  RowVoxels rows(std::move(read), std::move(prefix), bytes);
   for (const tile::TileIndex index : tiles) {
     RAYFIELD_ASSIGN(const auto voxels, rows.get(index));
     rows.pairs_ += voxels->pairs;
@@ -55,7 +66,7 @@ Result<RowDensity> RowVoxels::density(int row, const RowSegmentList& list, std::
 
 Result<std::shared_ptr<const TileVoxels>> RowVoxels::get(tile::TileIndex index) {
   const auto load = [&]() -> Result<TileVoxels> {
-    RAYFIELD_ASSIGN(const tile::ArraySet arrays, work_->files.read("voxels", prefix_ + tile_name(index)));
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, read_(prefix_ + tile_name(index)));
     return voxels_from_arrays(arrays);
   };
   return tiles_->get(index, load, bytes_of);

@@ -16,12 +16,14 @@ inline constexpr int kEchoesVersion = 3;
 inline constexpr int kRowSegmentsVersion = 1;
 inline constexpr int kVoxelsVersion = 2;
 inline constexpr int kResultsVersion = 6;
+inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
 inline constexpr int kLeafVersion = 4;
 
 inline std::vector<double> stage_versions() {
-  return {kSurveyVersion, kGroundVersion,      kEvidenceVersion, kGeometryVersion, kProfileVersion, kVoxelSizeVersion,
-          kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,   kResultsVersion,  kTotalsVersion,  kLeafVersion};
+  return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion, kProfileVersion,
+          kVoxelSizeVersion,  kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,   kResultsVersion,
+          kEstimationVersion, kTotalsVersion, kLeafVersion};
 }
 
 }  // namespace rayfield::density

@@ -65,4 +65,10 @@ bool shell_interval(const WoodCylinder& wood, double shell_m, const Eigen::Vecto
   return t_in < t_out;
 }
 
+bool in_shell(const WoodCylinder& wood, double shell_m, const Eigen::Vector3d& p_in_map) {
+  const Eigen::Vector3d from_base = p_in_map - wood.base;
+  const double along = from_base.dot(wood.axis), radius = wood.radius_m + wood.bend_m + shell_m;
+  return along < wood.length_m + shell_m && (from_base - along * wood.axis).squaredNorm() < radius * radius;
+}
+
 }  // namespace rayfield::density

@@ -32,4 +32,7 @@ double distance_from_axis(const WoodCylinder& wood, const Eigen::Vector3d& origi
 bool shell_interval(const WoodCylinder& wood, double shell_m, const Eigen::Vector3d& origin,
                     const Eigen::Vector3d& direction, double& t_in, double& t_out);
 
+/// Whether a point lies in that widened cylinder.
+bool in_shell(const WoodCylinder& wood, double shell_m, const Eigen::Vector3d& p_in_map);
+
 }  // namespace rayfield::density

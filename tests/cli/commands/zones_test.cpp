@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -142,9 +143,10 @@ TEST_F(Exchange, APrescriptionNeedsARateForEveryZone) {
   const Outcome run = zones(out.path("maps"), options);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const std::string stem = std::string(kBlock) + "_2021-07-01_";
-  EXPECT_EQ(names(out.path("maps")),
-            (std::set<std::string>{stem + "zones.gpkg", stem + "zones.geojson", stem + "zones.shp.zip",
-                                   stem + "prescription.shp.zip", stem + "taskdata.zip"}));
+  EXPECT_EQ(
+      names(out.path("maps")),
+      (std::set<std::string>{stem + "zones.gpkg", stem + "zones.geojson", stem + "zones.shp.zip", stem + "zones.png",
+                             stem + "zones.svg", stem + "prescription.shp.zip", stem + "taskdata.zip"}));
   const auto before = content_of(out.path("maps"));
   ASSERT_EQ(zones(out.path("maps"), options).exit_code, 0);
   EXPECT_EQ(content_of(out.path("maps")), before) << "equal bytes";
@@ -175,6 +177,36 @@ TEST_F(Exchange, AFolderInTheWayLeavesTheOldProductsWhole) {
     EXPECT_EQ(run.exit_code, 5) << run.err;
     EXPECT_EQ(run.error_lines(), 1);
     EXPECT_THAT(run.err, HasSubstr("a folder is in the way"));
+  }
+  EXPECT_EQ(content_of(maps), before);
+}
+
+TEST_F(Exchange, PointCloudsAreTheSameAtAnyNumberOfThreadsAndAppearWholeOrNotAtAll) {
+  const Folder out;
+  const std::string maps = out.path("maps"), stem = std::string(kBlock) + "_2021-07-01_cloud";
+  const std::vector<std::string> clouds = {
+      "export", store(), "-o", maps, "--date", "2021-07-01", "--format", "cloud-ply,cloud-las", "-q"};
+  ASSERT_EQ(rayfield(clouds).exit_code, 0);
+  const auto before = content_of(maps);
+  ASSERT_EQ(before.count(stem + ".ply"), 1U);
+  ASSERT_EQ(before.count(stem + ".las"), 1U);
+  // Both hold the same points: 42 bytes each after the header, and 40.
+  const std::string ply = read_file(maps + "/" + stem + ".ply"), las = read_file(maps + "/" + stem + ".las");
+  const std::size_t head = ply.find("end_header\n") + 11;
+  std::uint32_t points_at = 0;
+  std::memcpy(&points_at, las.data() + 96, sizeof(points_at));
+  ASSERT_GT(las.size(), points_at + 10000 * 40);
+  EXPECT_EQ((ply.size() - head) / 42, (las.size() - points_at) / 40);
+  for (const char* threads : {"1", "3"}) {
+    std::vector<std::string> again = clouds;
+    again.insert(again.end(), {"--threads", threads, "--memory", "256M"});
+    ASSERT_EQ(rayfield(again).exit_code, 0);
+    EXPECT_EQ(content_of(maps), before) << threads << " threads";
+  }
+  for (const std::uint64_t bytes : {300, 100000}) {
+    const Outcome full = rayfield_with_file_limit(clouds, bytes);
+    EXPECT_EQ(full.exit_code, 5) << bytes << ": " << full.err;
+    EXPECT_EQ(full.error_lines(), 1);
   }
   EXPECT_EQ(content_of(maps), before);
 }

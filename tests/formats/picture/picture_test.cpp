@@ -250,6 +250,94 @@ TEST(SectionPicture, ManySectionsStayUnderTheGreatestHeight) {
   EXPECT_LE(read_png(folder / "s.png").height, 1500);
 }
 
+SectionProduct end_on(float value, double left_m) {
+  return {"end_on_row_1", "m2/m3", 1, Grid2<float>({left_m, 0.3}, 0.1, 12, 18, value)};
+}
+
+TEST(EndOnPicture, FillsTheSheetWithAnyNumberOfRows) {
+  const TemporaryFolder folder;
+  for (const std::size_t count : {1U, 2U, 3U, 5U, 9U, 24U, 60U}) {
+    const std::vector<SectionProduct> sections(count, end_on(3, -0.6));
+    std::vector<LabelledSection> rows;
+    for (const SectionProduct& s : sections) rows.push_back({&s, "row 1", {}});
+    const auto written = write_end_on_picture(rows, folder / "e.png");
+    ASSERT_TRUE(written) << message(written);
+    const Image image = read_png(folder / "e.png");
+    EXPECT_LE(image.width, 1600);
+    EXPECT_LE(image.height, 1510);
+    const Blob blob = find(image, color_at({0, 6, Ramp::canopy}, 3));
+    // 1.2 m × 1.8 m of each 1.2 m × 2.1 m drawing have values.
+    EXPECT_GT(blob.count, 0.28 * image.width * image.height) << count << " rows";
+  }
+}
+
+TEST(EndOnPicture, AllRowsAreInOneWindowSoThatTheSameHeightIsAtTheSameHeight) {
+  const TemporaryFolder folder;
+  SectionProduct low = end_on(0, -0.6), high = end_on(0, -0.4);
+  low.grid.at(6, 2) = 3, high.grid.at(4, 2) = 4.5;  // both 0.0 … 0.1 m across and 0.5 … 0.6 m high
+  const std::vector<LabelledSection> rows = {{&low, "row 1", {}}, {&high, "row 2", {}}};
+  ASSERT_TRUE(write_end_on_picture(rows, folder / "e.png"));
+  Image image = read_png(folder / "e.png");
+  std::fill_n(image.pixels.begin(), 112 * image.width, Rgba{});  // the colour bar shows the same colours
+  const Blob first = find(image, color_at({0, 6, Ramp::canopy}, 3)),
+             second = find(image, color_at({0, 6, Ramp::canopy}, 4.5));
+  ASSERT_GT(first.count, 200);
+  ASSERT_GT(second.count, 200);
+  EXPECT_NEAR(first.low_y, second.low_y, 1);
+  EXPECT_NEAR(first.high_y, second.high_y, 1);
+  EXPECT_LT(first.high_x, second.low_x);
+}
+
+TEST(Pictures, AreSvgWhereThePathSaysSo) {
+  const TemporaryFolder folder;
+  const SectionProduct side = section(200, 25), end = end_on(2, -0.6);
+  const LabelledSection row{&end, "row 1", {}};
+  ASSERT_TRUE(write_section_picture(side, folder / "side.svg"));
+  ASSERT_TRUE(write_end_on_picture(std::span(&row, 1), folder / "end.svg"));
+  ASSERT_TRUE(write_plan_picture(flat(40, 40, 3), {}, folder / "plan.svg"));
+  for (const char* name : {"side.svg", "end.svg", "plan.svg"}) {
+    const std::string svg = read_file(folder / name);
+    EXPECT_EQ(svg.substr(0, 5), "<?xml") << name;
+    EXPECT_NE(svg.find("data:image/png;base64,"), std::string::npos) << name;
+    EXPECT_NE(svg.find("</svg>"), std::string::npos) << name;
+  }
+}
+
+TEST(BlockOverlay, NumbersEveryPanelBesideItsRow) {
+  const BlockProducts block = make_block(2, 4, {"2019-02-11"});
+  const PlanOverlay overlay = block_overlay(block);
+  ASSERT_EQ(overlay.numbers.size(), block.panels.size());
+  for (std::size_t i = 0; i < block.panels.size(); ++i) {
+    EXPECT_EQ(overlay.numbers[i].number, block.panels[i].panel_number);
+    EXPECT_NEAR(overlay.numbers[i].aside.norm(), 1, 1e-12);
+    double nearest = 1e9;
+    for (const Vector2d& p : block.panels[i].outline)
+      nearest = std::min(nearest, (p - overlay.numbers[i].position).norm());
+    EXPECT_LT(nearest, block.panels[i].length_m);
+  }
+}
+
+TEST(ZoneOverlay, ShadesWhatIsInsideAZoneAndLeavesItsHolesFree) {
+  const TemporaryFolder folder;
+  const auto square = [](double x, double y, double side) {
+    return std::vector<Vector2d>{{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}, {x, y}};
+  };
+  ManagementZone zone;
+  zone.zone = 1, zone.mean = 2.5;
+  zone.parts = {{square(276105, 6099905, 20), {square(276110, 6099910, 10)}}};
+  const BlockProducts block = make_block(1, 1, {"2019-02-11"});
+  PlanOverlay overlay = zone_overlay(block, std::span(&zone, 1), "m2/m");
+  ASSERT_EQ(overlay.areas.size(), 1U);
+  ASSERT_EQ(overlay.keys.size(), 1U);
+  EXPECT_EQ(overlay.keys[0].text, "zone 1: 2.5 m²/m");
+  overlay.labels.clear(), overlay.keys.clear();
+  overlay.areas[0].fill = {255, 0, 255, 255}, overlay.areas[0].outline.color = {255, 0, 255, 255};
+  ASSERT_TRUE(write_plan_picture(flat(60, 60, 0), overlay, folder / "z.png"));
+  const Blob shade = find(read_png(folder / "z.png"), {255, 0, 255, 255});
+  const double side = shade.high_x - shade.low_x + 1;
+  EXPECT_NEAR(static_cast<double>(shade.count), 0.75 * side * side, 0.03 * side * side);
+}
+
 TEST(RowStackPicture, OnePlaceOfTheRowIsAtOnePlaceOfThePictureOnAllDates) {
   const TemporaryFolder folder;
   // The same square of canopy at 8 … 9 m, in grids that begin elsewhere and have other cells.

@@ -43,6 +43,24 @@ TEST(Wood, AVerticalRayFromAboveEntersThroughTheTop) {
   EXPECT_GT(out, 3);
 }
 
+TEST(Wood, APointIsInTheShellWhereARayThatEndsThereIs) {
+  WoodCylinder leaning = kPost;
+  leaning.axis = Vector3d(0.2, -0.1, 1).normalized(), leaning.bend_m = 0.02;
+  const Vector3d origin(0.3, 2.2, 11.5);
+  int inside = 0;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      const Vector3d end(2 + 0.01 * (i - 20), 3 + 0.01 * (j - 20), 10 + 0.05 * (i + j) / 2 + 0.0003);
+      const Vector3d direction = (end - origin).normalized();
+      double in = 0, out = 0;
+      const double length = (end - origin).norm();
+      const bool met = shell_interval(leaning, 0.02, origin, direction, in, out) && in <= length && length <= out;
+      EXPECT_EQ(in_shell(leaning, 0.02, end), met) << end.transpose();
+      inside += met ? 1 : 0;
+    }
+  EXPECT_GT(inside, 50);
+}
+
 // A tile at the origin whose ground is level at 5 m, and unknown north of its middle.
 GroundModel half_known_ground() {
   Grid2<float> nodes({0, 0}, 12.5, 3, 3, 5.0F);

@@ -29,6 +29,7 @@
 #include "rayfield/formats/geotiff.h"         // rasters as Cloud Optimised GeoTIFF, sections in a local frame
 #include "rayfield/formats/isoxml.h"          // a prescription map as ISO 11783-10 task
 #include "rayfield/formats/picture.h"         // plan views, side views and end-on sections as PNG
+#include "rayfield/formats/point_cloud.h"     // hits coloured by density, as PLY and LAS
 #include "rayfield/formats/product_folder.h"  // products that appear in their folder together
 #include "rayfield/formats/rates_file.h"      // rates for management zones
 #include "rayfield/formats/reference_file.h"  // surveyed rows and posts from GeoPackage, GeoJSON, CSV

@@ -9,9 +9,11 @@
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/season_products.h"
+#include "rayfield/core/zone_products.h"
 #include "rayfield/formats/style.h"
 
-/// Maps, plans and vertical sections as PNG, without a display. NaN is hatched grey ("not scanned"), zero is light.
+/// Maps, plans and vertical sections as PNG, or as SVG where the path ends in .svg, without a display. NaN is hatched
+/// grey ("not scanned"), zero is light.
 namespace rayfield::formats {
 
 struct PictureOptions {
@@ -48,20 +50,40 @@ struct PlanLabel {
   std::string text;
   TextStyle style;
 };
-struct PlanKey {  ///< an entry of the legend: a short line in this style (or markers), and its meaning
+struct PlanKey {  ///< an entry of the legend: a short line in this style (or markers, or a box), and its meaning
   StrokeStyle style;
   std::string text;
   std::vector<PlanMarker> markers;  ///< where not empty: these upon each other instead of the line
+  std::optional<Rgba> fill = {};    ///< a box of this colour with the line around it
+};
+/// The number of a thing in a row of things, beside it. Where there is no room for all, it is shown of every second,
+/// fifth, tenth …; where the lane is too narrow for type, of none.
+struct PlanNumber {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< on the thing's border
+  Eigen::Vector2d aside = Eigen::Vector2d::UnitY();    ///< unit vector away from it
+  int number = 0;
+  double along_m = 0, across_m = 0;  ///< room along the row, and beside it
+};
+/// An area that is shaded: what lies inside an odd number of its rings.
+struct PlanArea {
+  std::vector<std::vector<Eigen::Vector2d>> rings;
+  Rgba fill;
+  StrokeStyle outline;
 };
 struct PlanOverlay {
+  std::vector<PlanArea> areas;  ///< below all others
   std::vector<PlanLine> lines;
   std::vector<PlanMarker> markers;
   std::vector<PlanLabel> labels;
   std::vector<PlanKey> keys;
+  std::vector<PlanNumber> numbers = {};
 };
 
-/// Panel outlines, posts (hollow where not detected) and row numbers of a block.
+/// Panel outlines, posts (hollow where not detected), row and panel numbers of a block.
 PlanOverlay block_overlay(const BlockProducts& block);
+
+/// Management zones shaded, with their means in the key, and the numbers of rows; `unit`: of the means ("m2/m").
+PlanOverlay zone_overlay(const BlockProducts& block, std::span<const ManagementZone> zones, const std::string& unit);
 
 /// The same on a map of changes: panels that gained or lost are outlined boldly, the others faintly.
 PlanOverlay change_overlay(const BlockProducts& block, const DateComparison& comparison);
@@ -89,6 +111,12 @@ Result<void> write_section_picture(std::span<const LabelledSection> sections, co
                                    const PictureOptions& options = {});
 Result<void> write_section_picture(const SectionProduct& section, const std::string& path,
                                    const PictureOptions& options = {});
+
+/// End-on sections of rows beside and below each other, all in one window of the plane across the row, as large as the
+/// sheet takes: the picture has the width asked for or less, and the height that it needs. Errors: as
+/// write_plan_picture().
+Result<void> write_end_on_picture(std::span<const LabelledSection> rows, const std::string& path,
+                                  const PictureOptions& options = {});
 
 /// One row's side views on several dates under each other: the same stretch of row on all of them, one scale. What a
 /// date did not see is hatched. Errors: as write_plan_picture().

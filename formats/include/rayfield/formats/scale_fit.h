@@ -16,7 +16,8 @@ namespace rayfield::formats {
 /// depends on the values alone, not on their order, nor on what was exported before.
 class ScaleFit {
  public:
-  /// `product`: "plan_density", "leaf_density", "plan_density_se", "canopy_height", "ground", "leaf_area_per_m"; others
+  /// `product`: "plan_density", "leaf_density", "plan_density_se", "canopy_height", "ground", "leaf_area_per_m",
+  /// "voxel_density", "side_view", "end_on"; others
   /// keep the fixed scale of docs/products.md, or that of their data. Ground: whole metres around all dates.
   explicit ScaleFit(std::string_view product);
 
