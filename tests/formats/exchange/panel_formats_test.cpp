@@ -230,7 +230,7 @@ TEST(FarmProfiles, HoldTheRulesOfTheirSystems) {
   ASSERT_NE(dataset, nullptr);
   const OGRFeatureDefn* definition = dataset->GetLayer(0)->GetLayerDefn();
   EXPECT_EQ(definition->GetFieldCount(), 20);
-  EXPECT_GE(definition->GetFieldIndex("leaf_area"), 0) << "the first columns are kept";
+  EXPECT_GE(definition->GetFieldIndex("leaf_per_m"), 0) << "the first columns are kept";
   for (int i = 0; i < definition->GetFieldCount(); ++i)
     EXPECT_NE(definition->GetFieldDefn(i)->GetType(), OFTString) << definition->GetFieldDefn(i)->GetNameRef();
 }
