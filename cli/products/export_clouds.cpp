@@ -125,8 +125,9 @@ Result<void> export_clouds(const tile::Store& store, const tile::Snapshot& snaps
                     density::VoxelCloud::open(store, scan, cloud_options(options, folder), progress));
     RAYFIELD_CHECK(cloud.for_voxels([&fit](std::span<const float> densities) { fit.add(densities); }));
     fit.end_date();
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      if (wanted[i].scan == &scan) clouds[i] = std::move(cloud);
+    const auto of_scan =
+        std::find_if(wanted.begin(), wanted.end(), [&scan](const Wanted& w) { return w.scan == &scan; });
+    if (of_scan != wanted.end()) clouds[static_cast<std::size_t>(of_scan - wanted.begin())] = std::move(cloud);
   }
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     RAYFIELD_CHECK(write_clouds(store, *clouds[i], *wanted[i].scan, wanted[i].files, wanted[i].stem, fit.scale(),
