@@ -129,12 +129,21 @@ Result<RowDensity> leaves_of_row(int row, const ScanVoxels& voxels, const Counte
   return of_wood;
 }
 
-// The values of these panels, in their order.
-std::vector<PanelValue> values_of(std::span<const PanelValue> values, std::span<const Panel> panels) {
+tl::unexpected<Error> not_of_this_layout(int row) {
+  return fail(ErrorCode::damaged, "cannot use stored results", fmt::format("row {}", row),
+              "they are of other panels or half metres", "run `rayfield verify`");
+}
+
+// The values of these panels of a row, in their order. Errors: damaged.
+Result<std::vector<PanelValue>> values_of(std::span<const PanelValue> values, std::span<const Panel> panels, int row) {
   std::vector<PanelValue> out;
-  for (const Panel& panel : panels)
-    out.push_back(*std::find_if(values.begin(), values.end(),
-                                [&panel](const PanelValue& value) { return value.panel_uid == panel.identity.uid; }));
+  for (const Panel& panel : panels) {
+    const auto found = std::find_if(values.begin(), values.end(), [&panel](const PanelValue& value) {
+      return value.panel_uid == panel.identity.uid;
+    });
+    if (found == values.end()) return not_of_this_layout(row);
+    out.push_back(*found);
+  }
   return out;
 }
 
@@ -164,13 +173,14 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
                     leaves_of_row(rows[i]->number, voxels, counted, plant, wood, estimate, done[i]));
     const std::vector<Panel> panels = panels_of(layout, rows[i]->number);
     done[i].panels = leaf_of_panels(*done[i].leaf, of_wood, panels);
-    done[i].described = values_of(results.panel_values, panels);
+    RAYFIELD_ASSIGN(done[i].described, values_of(results.panel_values, panels, rows[i]->number));
     for (const RowMetreProduct& metre : results.row_metres)
       if (metre.row_number == rows[i]->number) done[i].metres.push_back(metre);
     const double length_m = rows[i]->length_m();
     const std::vector<StretchOutline> outline = outline_of(results.row_metres, rows[i]->number);
-    describe_leaves(*done[i].leaf, panels, length_m, outline, settings, done[i]);
     const std::vector<double> areas = leaf_of_metres(*done[i].leaf, length_m, integration.metre_step_m);
+    if (areas.size() != done[i].metres.size()) return not_of_this_layout(rows[i]->number);
+    describe_leaves(*done[i].leaf, panels, length_m, outline, settings, done[i]);
     for (std::size_t k = 0; k < areas.size(); ++k) {
       done[i].metres[k].leaf_area_per_m = areas[k];
       if (std::isnan(areas[k])) forget_leaves(done[i].metres[k].descriptors);
