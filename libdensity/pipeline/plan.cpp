@@ -27,10 +27,9 @@ bool all_there(const tile::Store& store, const tile::ScanEntry& scan) {
 
 Result<bool> is_needed(const tile::Store& store, const ProcessOptions& options, const tile::ScanEntry& scan,
                        BlockRegistry& registry, const BlockSeasons& seasons) {
-  if (options.redo || !registry.known() || !registry.has_evidence_of(scan)) return true;
+  const std::optional<std::string> key = processed_key(options, scan, registry);
   const tile::DerivedEntry* entry = find_processed_entry(scan);
-  const std::string key = processed_key(options, scan, registry.known_before(scan), registry.layout_for(scan));
-  if (entry == nullptr || entry->key != key || !all_there(store, scan)) return true;
+  if (options.redo || !key || entry == nullptr || entry->key != *key || !all_there(store, scan)) return true;
   return seasons.is_outdated(store, scan);
 }
 

@@ -51,13 +51,12 @@ void report_plants(ScanInWork& scan) {
 // Whether an earlier run has made all of the scan's plants. Reads next to nothing of it.
 Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   const tile::ScanEntry& entry = scan.work.scan;
-  if (!registry.known() || !registry.has_evidence_of(entry)) return false;
-  const RowLayout known = registry.known_before(entry);
-  scan.layout = registry.layout_for(entry);
-  const std::string key = processed_key(scan.work.options, entry, known, scan.layout);
-  RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, key));
+  const std::optional<std::string> key = processed_key(scan.work.options, entry, registry);
+  if (!key) return false;
+  RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, *key));
   if (!processed) return false;
   RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
+  scan.layout = registry.layout_for(entry);
   scan.processed = *processed;
   report_plants(scan);
   return true;
@@ -86,7 +85,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   if (!scan.voxels.echoes) view = nullptr;
   RAYFIELD_ASSIGN(const double voxel_m,
                   choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood, scan.voxels.echoes));
-  RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segmentes(work, layout, surveyed.ground, profile, voxel_m));
+  RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segments(work, layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(scan.voxels.tiles,
                   count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));
   RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels));

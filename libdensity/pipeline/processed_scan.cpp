@@ -24,6 +24,12 @@ std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& 
   return key.add(geometry_key(layout)).hex();
 }
 
+std::optional<std::string> processed_key(const ProcessOptions& options, const tile::ScanEntry& scan,
+                                         BlockRegistry& registry) {
+  if (!registry.known() || !registry.has_evidence_of(scan)) return std::nullopt;
+  return processed_key(options, scan, registry.known_before(scan), registry.layout_for(scan));
+}
+
 const tile::DerivedEntry* find_processed_entry(const tile::ScanEntry& scan) {
   return find_entry(scan.derived, kKind, "block");
 }

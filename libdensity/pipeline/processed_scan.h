@@ -5,6 +5,7 @@
 
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/leaf/scan_totals.h"
+#include "libdensity/learning/block_registry.h"
 #include "libdensity/scan/scan_work.h"
 
 namespace rayfield::density {
@@ -20,6 +21,11 @@ struct ProcessedScan {
 /// `known`: the layout that the scan's evidence was gathered along; `layout`: the one its maps were made with.
 std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& scan, const RowLayout& known,
                           const RowLayout& layout);
+
+/// The key by what the block knows already; nothing where the scan's rays have to be looked at first, since there is no
+/// layout yet or none of its evidence is in it.
+std::optional<std::string> processed_key(const ProcessOptions& options, const tile::ScanEntry& scan,
+                                         BlockRegistry& registry);
 
 /// The file that says so; nothing where the scan was not processed whole.
 const tile::DerivedEntry* find_processed_entry(const tile::ScanEntry& scan);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "libdensity/results/descriptor_columns.h"
+#include "libdensity/results/stored_descriptors.h"
 
 namespace rayfield::density {
 namespace {

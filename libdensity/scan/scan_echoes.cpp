@@ -103,7 +103,7 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const RowSegmentList row_segments,
-                    make_row_segmentes(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
+                    make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
     const auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,

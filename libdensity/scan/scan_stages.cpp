@@ -205,14 +205,14 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
   return profile_from_arrays(arrays);
 }
 
-Result<RowSegmentList> cut_row_segmentes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
-                                         const CanopyProfile& profile, double voxel_m) {
+Result<RowSegmentList> cut_row_segments(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                        const CanopyProfile& profile, double voxel_m) {
   const RowSegmentOptions options = with_voxel_size(work.options.segments, voxel_m);
   KeyBuilder key("stretches", kRowSegmentsVersion);
   key.add(option_numbers(options)).add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles) key.add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(const RowSegmentList list, make_row_segmentes(layout, ground, profile, options));
+    RAYFIELD_ASSIGN(const RowSegmentList list, make_row_segments(layout, ground, profile, options));
     for (const std::string& warning : list.warnings) work.progress.warn(warning);
     return row_segments_to_arrays(list);
   };

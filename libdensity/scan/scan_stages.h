@@ -40,7 +40,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed);
 Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, const GroundModel& ground);
 
 /// The voxel grids of the scan's rows (kind "stretches").
-Result<RowSegmentList> cut_row_segmentes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
-                                         const CanopyProfile& profile, double voxel_m);
+Result<RowSegmentList> cut_row_segments(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                        const CanopyProfile& profile, double voxel_m);
 
 }  // namespace rayfield::density

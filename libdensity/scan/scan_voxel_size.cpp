@@ -32,7 +32,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const RowSegmentList row_segments,
-                    make_row_segmentes(layout, ground, profile, with_voxel_size(work.options.segments, fit.sample_m)));
+                    make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, fit.sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, nullptr));
     tile::ArraySet arrays{.kind = "voxelsize", .attributes = "{}"};
     arrays.columns["voxel_m"] = std::vector<double>{fitted_size(estimate_leaf_size(sampled.pairs).area_m2, fit)};

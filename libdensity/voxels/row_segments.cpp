@@ -111,7 +111,7 @@ std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile
   return extents;
 }
 
-Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundModel& ground,
+Result<RowSegmentList> make_row_segments(const RowLayout& layout, const GroundModel& ground,
                                           const CanopyProfile& profile, const RowSegmentOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RowSegmentList out;

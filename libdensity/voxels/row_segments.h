@@ -39,7 +39,7 @@ struct RowSegmentList {
 };
 
 /// Cuts every row into row segments. A row segment whose ground is unknown is left out and named in the warnings.
-Result<RowSegmentList> make_row_segmentes(const RowLayout& layout, const GroundModel& ground,
-                                          const CanopyProfile& profile, const RowSegmentOptions& options);
+Result<RowSegmentList> make_row_segments(const RowLayout& layout, const GroundModel& ground,
+                                         const CanopyProfile& profile, const RowSegmentOptions& options);
 
 }  // namespace rayfield::density

@@ -15,7 +15,7 @@ using testing::two_rows;
 
 TEST(RowSegments, SurviveStorage) {
   const GroundModel ground = exact_ground([](double x, double) { return 0.02 * (x - 500000); });
-  const auto list = make_row_segmentes(two_rows(BlockShape{}, 2.5), ground, {}, {});
+  const auto list = make_row_segments(two_rows(BlockShape{}, 2.5), ground, {}, {});
   ASSERT_TRUE(list);
   const auto back = row_segments_from_arrays(row_segments_to_arrays(*list));
   ASSERT_TRUE(back) << back.error().line();
@@ -30,7 +30,7 @@ TEST(RowSegments, SurviveStorage) {
 
 TEST(RowSegments, ThatCannotBeAreRefused) {
   const auto list =
-      make_row_segmentes(two_rows(BlockShape{}, 2.5), exact_ground([](double, double) { return 0.0; }), {}, {});
+      make_row_segments(two_rows(BlockShape{}, 2.5), exact_ground([](double, double) { return 0.0; }), {}, {});
   ASSERT_TRUE(list);
   const auto code_with = [&](const char* column, auto value) {
     tile::ArraySet arrays = row_segments_to_arrays(*list);

@@ -67,7 +67,7 @@ TEST(RowSegments, CoverTheRowWithoutGapsAndFollowItsCurve) {
   const RowLayout layout = two_rows(block, 2.5);
   const GroundModel ground = exact_ground([](double, double) { return 100.0; });
   const RowSegmentOptions options{.voxel_m = 0.12, .voxels_per_segment = 25};
-  const auto list = make_row_segmentes(layout, ground, {}, options);
+  const auto list = make_row_segments(layout, ground, {}, options);
   ASSERT_TRUE(list);
   EXPECT_TRUE(list->warnings.empty());
   for (const Row& row : layout.rows) {
@@ -97,7 +97,7 @@ TEST(RowSegments, ShearAlongThePlaneOfTheGround) {
   // dz/de = 0.06, dz/dn = −0.02; along = (sin 30°, cos 30°), left = (−cos 30°, sin 30°).
   const GroundModel ground =
       exact_ground([](double x, double y) { return 50 + 0.06 * (x - 500000) - 0.02 * (y - 6100000); });
-  const auto list = make_row_segmentes(two_rows(block, 2.5), ground, {}, {});
+  const auto list = make_row_segments(two_rows(block, 2.5), ground, {}, {});
   ASSERT_TRUE(list);
   ASSERT_FALSE(list->row_segments.empty());
   for (const RowSegment& s : list->row_segments) {
@@ -109,7 +109,7 @@ TEST(RowSegments, ShearAlongThePlaneOfTheGround) {
 
 TEST(RowSegments, OverUnknownGroundAreLeftOutAndNamed) {
   GroundModel nothing(testing::kTile);
-  const auto list = make_row_segmentes(two_rows(BlockShape{}, 2.5), nothing, {}, {});
+  const auto list = make_row_segments(two_rows(BlockShape{}, 2.5), nothing, {}, {});
   ASSERT_TRUE(list);
   EXPECT_TRUE(list->row_segments.empty());
   ASSERT_EQ(list->warnings.size(), 2U);

@@ -12,16 +12,16 @@
 /// Canopy descriptors as columns of stored arrays, in one place for writing and reading.
 namespace rayfield::density {
 
-using DescriptorColumn = std::pair<const char*, double CanopyDescriptors::*>;
+using StoredDescriptor = std::pair<const char*, double CanopyDescriptors::*>;
 
 /// Those of leaves and wood together.
-inline constexpr std::array<DescriptorColumn, 3> kPlantDescriptors{{
+inline constexpr std::array<StoredDescriptor, 3> kPlantDescriptors{{
     {"canopy_base_m", &CanopyDescriptors::canopy_base_m},
     {"row_gap_share", &CanopyDescriptors::row_gap_share},
     {"porosity", &CanopyDescriptors::porosity},
 }};
 /// Those of what leaf_area_m2 is of.
-inline constexpr std::array<DescriptorColumn, 4> kLeafDescriptors{{
+inline constexpr std::array<StoredDescriptor, 4> kLeafDescriptors{{
     {"leaf_layer_number", &CanopyDescriptors::leaf_layer_number},
     {"exposed_leaf_share", &CanopyDescriptors::exposed_leaf_share},
     {"fruit_zone_area_per_m", &CanopyDescriptors::fruit_zone_area_per_m},
