@@ -73,10 +73,16 @@ RowExtents extents_of_row(int number, const CanopyProfile& profile, double limit
   return e;
 }
 
-// Least-squares plane through the ground under a row segment, in its own axes. False where too little ground is known.
+// The ground under a row segment, in its own axes: a plane with the slopes of the ground under its whole width, raised
+// to the ground at the row's line. Vines often stand on a bank, and heights count from where they stand: a plane laid
+// through bank and lane alike runs about half a bank below its crest. False where too little ground is known.
 bool fit_ground(const GroundModel& ground, double length_m, double across_min_m, double across_max_m, RowSegment& s) {
   constexpr int kAlong = 7, kAcross = 5;
   const Eigen::Vector2d left(-s.direction.y(), s.direction.x());
+  const auto height = [&](double along, double across) {
+    const Eigen::Vector2d p = s.origin + s.direction * along + left * across;
+    return ground.height(p.x(), p.y());
+  };
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   std::optional<double> base;
@@ -85,8 +91,7 @@ bool fit_ground(const GroundModel& ground, double length_m, double across_min_m,
     for (int j = 0; j < kAcross; ++j) {
       const double along = length_m * i / (kAlong - 1);
       const double across = across_min_m + (across_max_m - across_min_m) * j / (kAcross - 1);
-      const Eigen::Vector2d p = s.origin + s.direction * along + left * across;
-      const auto z = ground.height(p.x(), p.y());
+      const auto z = height(along, across);
       if (!z) continue;
       if (!base) base = *z;
       ++known;
@@ -98,6 +103,14 @@ bool fit_ground(const GroundModel& ground, double length_m, double across_min_m,
   normal(1, 1) += 1e-6, normal(2, 2) += 1e-6;
   const Eigen::Vector3d plane = normal.ldlt().solve(right);
   s.ground_m = *base + plane(0), s.slope_along = plane(1), s.slope_across = plane(2);
+
+  double above = 0;  // the ground at the row's line over the plane; the plane alone where that ground is unknown
+  int at_line = 0;
+  for (int i = 0; i < kAlong; ++i) {
+    const double along = length_m * i / (kAlong - 1);
+    if (const auto z = height(along, 0)) above += *z - (s.ground_m + s.slope_along * along), ++at_line;
+  }
+  if (at_line > kAlong / 2) s.ground_m += above / at_line;
   return true;
 }
 
@@ -112,7 +125,7 @@ std::vector<RowExtents> row_extents(const RowLayout& layout, const CanopyProfile
 }
 
 Result<RowSegmentList> make_row_segments(const RowLayout& layout, const GroundModel& ground,
-                                          const CanopyProfile& profile, const RowSegmentOptions& options) {
+                                         const CanopyProfile& profile, const RowSegmentOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RowSegmentList out;
   out.extents = row_extents(layout, profile, options);

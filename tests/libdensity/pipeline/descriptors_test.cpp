@@ -60,6 +60,8 @@ TEST(CanopyDescriptorsOfAScan, AreThoseOfTheSimulatedLeaves) {
   EXPECT_NEAR(mean_of(results, &PanelValue::canopy_width_m), true_mean(leafy, &sim::CanopyTruth::width_m), 0.08);
   EXPECT_NEAR(mean_of(results, &CanopyDescriptors::row_gap_share), true_mean(leafy, &sim::CanopyTruth::row_gap_share),
               0.03);
+  const double zone = true_zone(leafy, 0.8, 1.2);  // the default, where the canopy's lower edge is
+  EXPECT_NEAR(mean_of(results, &CanopyDescriptors::fruit_zone_area_per_m), zone, 0.1 * zone);
 }
 
 TEST(CanopyDescriptorsOfAScan, OfADormantOneAreOfWoodWithoutLeaves) {
@@ -108,7 +110,6 @@ TEST(CanopyDescriptorsOfAScan, AreMadeAnewForAnotherFruitZoneAndAtAnyNumberOfThr
   EXPECT_NE(block.derived("2020-01-20")["leaf/block"], files.at("leaf/block"));
   const ScanResults higher = block.results("2020-01-20");
   EXPECT_EQ(higher.scan.fruit_zone_low_m, 1.2);
-  // Inside the canopy: heights are some centimetres too large (docs/descriptors.md), which counts at its lower edge.
   const double zone = true_zone(drive_with(kFull, kFirst), 1.2, 1.6);
   EXPECT_NEAR(mean_of(higher, &CanopyDescriptors::fruit_zone_area_per_m), zone, 0.1 * zone);
   options = {};

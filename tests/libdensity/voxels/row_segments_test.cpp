@@ -107,6 +107,27 @@ TEST(RowSegments, ShearAlongThePlaneOfTheGround) {
   }
 }
 
+TEST(RowSegments, CountHeightsFromTheCrestOfTheBankUnderTheRow) {
+  BlockShape block;  // runs along its azimuth from (500000, 6100000); a bank of 0.2 m under each row, on a side slope
+  const Eigen::Vector2d left = (block.at(0.5, 1) - block.at(0.5, 0)).normalized();
+  const Eigen::Vector2d start = block.at(0, 0);
+  const auto ground = [&](double x, double y) {
+    const double across = (Eigen::Vector2d(x, y) - start).dot(left);
+    const double from_row = across - 2.5 * std::round(across / 2.5);
+    return 70 + 0.08 * across + 0.2 * std::exp2(-std::pow(2 * from_row / 0.8, 2));
+  };
+  RowSegmentOptions options;
+  options.min_half_width_m = 0.8;
+  const auto list = make_row_segments(two_rows(block, 2.5), exact_ground(ground), {}, options);
+  ASSERT_TRUE(list);
+  ASSERT_FALSE(list->row_segments.empty());
+  for (const RowSegment& s : list->row_segments) {
+    EXPECT_NEAR(s.ground_m, ground(s.origin.x(), s.origin.y()), 0.01);
+    EXPECT_NEAR(s.slope_across, 0.08, 0.005) << "the side slope, not the bank's flanks";
+    EXPECT_NEAR(s.slope_along, 0, 0.001);
+  }
+}
+
 TEST(RowSegments, OverUnknownGroundAreLeftOutAndNamed) {
   GroundModel nothing(testing::kTile);
   const auto list = make_row_segments(two_rows(BlockShape{}, 2.5), nothing, {}, {});
