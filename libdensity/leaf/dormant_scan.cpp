@@ -12,9 +12,10 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kTropics_deg = 20;     // nearer to the equator vines may bear leaves all the year
-constexpr double kFullLeafShare = 0.5;  // of the plant area at full leaf that wood has at most
-constexpr double kGrowingShare = 0.95;  // of the plant area while leaves grow or fall
+constexpr double kTropics_deg = 20;      // nearer to the equator vines may bear leaves all the year
+constexpr double kFullLeafShare = 0.5;   // of the plant area at full leaf that wood has at most
+constexpr double kGrowingShare = 0.95;   // of the plant area while leaves grow or fall
+constexpr double kMostWoodPerMetre = 2;  // m²; unpruned vines show 0.3 to 1 in winter, evergreen orchards 2 to 10
 
 // Of a scan of the store, whose dates are checked when it is added.
 std::chrono::year_month_day calendar_day(const std::string& date) { return parse_calendar_day(date).value(); }
@@ -37,18 +38,27 @@ bool is_full_leaf_season(const std::string& date, double latitude_deg) {
   return std::abs(latitude_deg) > kTropics_deg && (at >= 1201 || at < 301);
 }
 
-// Held against the scans of the months with leaves.
+std::string shows_much(double plant_area_per_m, const std::string& against) {
+  return fmt::format(
+      "is of the leafless months, but shows {:.2f} m² of plants per metre of row, which is not little{}; "
+      "if the vines bore no leaves, say so: `rayfield add … --dormant yes`",
+      plant_area_per_m, against);
+}
+
+// Held against the scans of the months with leaves; where there are none, against what wood there can be.
 DormantVerdict judge(const ScanSeason& scan, std::span<const ScanSeason> scans, double latitude_deg) {
   if (!scan.plant_area_per_m) return {false, "is of the leafless months, but has not been processed"};
+  bool held_against_leaves = false;
   for (const ScanSeason& other : scans) {
     if (!other.plant_area_per_m || is_leafless_season(other.date, latitude_deg) || other.declared == true) continue;
+    held_against_leaves = true;
     const double share = is_full_leaf_season(other.date, latitude_deg) ? kFullLeafShare : kGrowingShare;
     if (*scan.plant_area_per_m <= share * *other.plant_area_per_m) continue;
-    return {false, fmt::format("is of the leafless months, but shows {:.2f} m² of plants per metre of row, which is "
-                               "not little against the {:.2f} m² of {}; if the vines bore no leaves, say so: "
-                               "`rayfield add … --dormant yes`",
-                               *scan.plant_area_per_m, *other.plant_area_per_m, other.scan_id)};
+    const std::string against = fmt::format(" against the {:.2f} m² of {}", *other.plant_area_per_m, other.scan_id);
+    return {false, shows_much(*scan.plant_area_per_m, against)};
   }
+  if (!held_against_leaves && *scan.plant_area_per_m > kMostWoodPerMetre)
+    return {false, shows_much(*scan.plant_area_per_m, " (evergreen orchards bear leaves then)")};
   return {true, "is taken as dormant: it is of the leafless months and shows little"};
 }
 

@@ -29,8 +29,9 @@ struct DormantVerdict {
 bool is_leafless_season(const std::string& date, double latitude_deg);
 
 /// What the user declared; otherwise dormant are scans of the leafless months that show little: less than any scan of
-/// the months with leaves, and no more than half of the largest of full leaf (three months of summer). Scans in the
-/// leafless months are not held against each other: they may differ by the winter's pruning.
+/// the months with leaves, and no more than half of the largest of full leaf (three months of summer); where no scan of
+/// those months has been processed, no more than 2 m² of plants per metre of row. Scans in the leafless months are not
+/// held against each other: they may differ by the winter's pruning.
 /// `latitude_deg`: nothing = unknown, then none is dormant unless declared.
 std::vector<DormantVerdict> find_dormant_scans(std::span<const ScanSeason> scans, std::optional<double> latitude_deg);
 

@@ -64,6 +64,15 @@ TEST(DormantScans, AreNotThoseThatShowMoreThanHalfOfFullLeafOrAsMuchAsSpring) {
   EXPECT_EQ(dormant({scan("2019-07-20", 0.7), scan("2019-10-01", 0.7)}, kSouth)[0], false);
 }
 
+TEST(DormantScans, AreNotThoseOfEvergreenOrchardsThatAreAloneInTheirStore) {
+  const auto alone = find_dormant_scans(std::vector{scan("2019-07-20", 2.8)}, kSouth);
+  EXPECT_FALSE(alone[0].dormant);
+  EXPECT_THAT(alone[0].reason, HasSubstr("2.80 m²"));
+  EXPECT_THAT(alone[0].reason, HasSubstr("--dormant yes"));
+  EXPECT_EQ(dormant({scan("2019-06-20", 2.8), scan("2019-08-20", 2.9)}, kSouth), (std::vector<bool>{false, false}));
+  EXPECT_EQ(dormant({scan("2019-07-20", 2.8, true)}, kSouth), std::vector<bool>{true}) << "as declared";
+}
+
 TEST(DormantScans, AreNotUndecidedOnesThatHaveNotBeenProcessed) {
   const auto verdicts = find_dormant_scans(std::vector{scan("2019-07-20", std::nullopt)}, kSouth);
   EXPECT_FALSE(verdicts[0].dormant);
