@@ -40,8 +40,8 @@ Result<void> export_shapefiles(const BlockProducts& block, std::size_t scan, con
 }  // namespace
 
 std::vector<std::string> export_formats() {
-  return {"geotiff", "geotiff-plain", "gpkg",       "png",        "svg",       "geojson",  "csv",
-          "shp",     "kml",           "flatgeobuf", "geoparquet", "cloud-ply", "cloud-las"};
+  return {"geotiff", "geotiff-plain", "gpkg",       "png",        "svg", "geojson", "csv",
+          "shp",     "kml",           "flatgeobuf", "geoparquet", "ply", "las"};
 }
 
 std::vector<std::string> profile_names() {

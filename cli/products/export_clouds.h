@@ -7,8 +7,8 @@
 namespace rayfield::cli {
 
 /// Names of the formats of point clouds.
-inline constexpr const char* kCloudPly = "cloud-ply";
-inline constexpr const char* kCloudLas = "cloud-las";
+inline constexpr const char* kCloudPly = "ply";
+inline constexpr const char* kCloudLas = "las";
 
 /// Whether an export has point clouds.
 bool wants_clouds(const ExportOptions& options);

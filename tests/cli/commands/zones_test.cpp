@@ -184,8 +184,8 @@ TEST_F(Exchange, AFolderInTheWayLeavesTheOldProductsWhole) {
 TEST_F(Exchange, PointCloudsAreTheSameAtAnyNumberOfThreadsAndAppearWholeOrNotAtAll) {
   const Folder out;
   const std::string maps = out.path("maps"), stem = std::string(kBlock) + "_2021-07-01_cloud";
-  const std::vector<std::string> clouds = {
-      "export", store(), "-o", maps, "--date", "2021-07-01", "--format", "cloud-ply,cloud-las", "-q"};
+  const std::vector<std::string> clouds = {"export",     store(),    "-o",      maps, "--date",
+                                           "2021-07-01", "--format", "ply,las", "-q"};
   ASSERT_EQ(rayfield(clouds).exit_code, 0);
   const auto before = content_of(maps);
   ASSERT_EQ(before.count(stem + ".ply"), 1U);
