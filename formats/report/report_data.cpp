@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -84,17 +85,35 @@ ordered_json panels_json(const BlockProducts& block, const Layout& layout) {
 
 // One list per quantity, in the order of the block's panels; null where the panel was not observed.
 ordered_json values_json(const BlockProducts& block, const ScanResults& scan) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::map<std::string, const PanelValue*> by_panel;
   for (const PanelValue& value : scan.panel_values) by_panel[value.panel_uid] = &value;
-  ordered_json json = {{"leaf", {}}, {"low", {}}, {"high", {}}, {"height", {}}, {"open", {}}, {"seen", {}}};
-  for (const PanelProduct& panel : block.panels) {
-    const auto found = by_panel.find(panel.panel_uid);
-    const PanelValue unseen{.leaf_area_m2 = std::nan(""), .ci_low_m2 = std::nan(""), .ci_high_m2 = std::nan("")};
-    const PanelValue& v = found == by_panel.end() ? unseen : *found->second;
-    json["leaf"].push_back(rounded(v.leaf_area_m2)), json["low"].push_back(rounded(v.ci_low_m2));
-    json["high"].push_back(rounded(v.ci_high_m2)), json["height"].push_back(rounded(v.canopy_height_m));
-    json["open"].push_back(rounded(v.gap_fraction)), json["seen"].push_back(rounded(v.observed_fraction));
-  }
+  const PanelValue unseen{.leaf_area_m2 = kNone,
+                          .ci_low_m2 = kNone,
+                          .ci_high_m2 = kNone,
+                          .canopy_height_m = kNone,
+                          .canopy_width_m = kNone,
+                          .gap_fraction = kNone};
+  ordered_json json;
+  const auto list = [&](const char* name, auto value_of, double steps = 100) {
+    ordered_json& values = json[name] = ordered_json::array();
+    for (const PanelProduct& panel : block.panels) {
+      const auto found = by_panel.find(panel.panel_uid);
+      values.push_back(rounded(value_of(found == by_panel.end() ? unseen : *found->second), steps));
+    }
+  };
+  list("leaf", [](const PanelValue& v) { return v.leaf_area_m2; });
+  list("low", [](const PanelValue& v) { return v.ci_low_m2; });
+  list("high", [](const PanelValue& v) { return v.ci_high_m2; });
+  list("height", [](const PanelValue& v) { return v.canopy_height_m; });
+  list("width", [](const PanelValue& v) { return v.canopy_width_m; });
+  list("open", [](const PanelValue& v) { return v.gap_fraction; });
+  list("seen", [](const PanelValue& v) { return v.observed_fraction; });
+  list("porosity", [](const PanelValue& v) { return v.descriptors.porosity; });
+  list(
+      "layers", [](const PanelValue& v) { return v.descriptors.leaf_layer_number; }, 10);
+  list("exposed", [](const PanelValue& v) { return v.descriptors.exposed_leaf_share; });
+  list("fruit", [](const PanelValue& v) { return v.descriptors.fruit_zone_area_per_m; });
   return json;
 }
 
@@ -177,13 +196,15 @@ Result<ordered_json> scan_json(const BlockReport& report, std::size_t i, const L
   const ScanResults& results = report.block.scans[i];
   const ReportScan& scan = report.scans[i];
   const std::string& date = results.scan.scan_date;
-  ordered_json json = {{"date", date},
-                       {"label", clean_text(scan_label(results.scan))},
-                       {"tick", date_text(date).substr(0, date_text(date).size() - 5) + " ’" + date.substr(2, 2)},
-                       {"dormant", scan.dormant},
-                       {"classes", classes_text(scan.classes)},
-                       {"gaps", gaps_json(report, scan, layout)},
-                       {"values", values_json(report.block, results)}};
+  ordered_json json = {
+      {"date", date},
+      {"label", clean_text(scan_label(results.scan))},
+      {"tick", date_text(date).substr(0, date_text(date).size() - 5) + " ’" + date.substr(2, 2)},
+      {"dormant", scan.dormant},
+      {"fruit_zone", {rounded(results.scan.fruit_zone_low_m), rounded(results.scan.fruit_zone_high_m)}},
+      {"classes", classes_text(scan.classes)},
+      {"gaps", gaps_json(report, scan, layout)},
+      {"values", values_json(report.block, results)}};
   add_season(report, layout, results.scan.scan_id, json);
   RAYFIELD_ASSIGN(json["map"], grid_json(scan.plan_density, layout.origin, scales.map));
   RAYFIELD_ASSIGN(json["sides"], sides_json(report.block, results, side_factor, scales.side));

@@ -76,6 +76,10 @@ can be compared.</p>
 leaf angles do to all of them. A change is called clear only where the interval of the change itself leaves out zero; of
 panels that did not change, one in twenty reads as a clear gain or loss by chance. What the intervals do not hold: drives
 that were not laid on the first to a few centimetres, and wood that grew or was cut.</p>
+<p>“Open from the side” is the share of the panel's side view that lets light through, over the heights where nearly
+all of its area is. Porosity is the same inside the canopy's outline: the share of lines across the row that meet neither
+leaf nor wood. Leaf layers are how many leaves such a line meets in the mean, exposed leaves those that are the first or
+the last of their line. The fruit zone is the leaf area between two heights over the ground at the row.</p>
 <p>“Not observed” means that too few rays saw the place. It never means zero.</p>
 <p>Colours mean the same on all dates: each scale reaches to the value that 98 % of this block stay below, and larger
 values take the last colour.</p>

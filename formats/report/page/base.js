@@ -58,8 +58,13 @@ function valueOf(panel, date) {
     lowPerM: at("low") / panel.length,
     highPerM: at("high") / panel.length,
     height: at("height"),
+    width: at("width"),
     open: at("open"),
     seen: at("seen"),
+    porosity: at("porosity"),
+    layers: at("layers"),
+    exposed: at("exposed"),
+    fruit: at("fruit"),
   };
 }
 

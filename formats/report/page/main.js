@@ -39,20 +39,45 @@ function showPanelTable() {
     if (!v)
       return element(
           "tr", attributes, element("td", {}, scan.label), unseenCell(), unseenCell(), unseenCell(), unseenCell(),
-          unseenCell(), changeCell(panel, date));
+          changeCell(panel, date));
     return element(
         "tr", attributes, element("td", {}, scan.label),
         numberCell(`${fixed(v.leaf, 1)} (${interval(v.low, v.high, 1)})`), numberCell(fixed(v.perM, 2)),
-        numberCell(known(v.height) ? fixed(v.height, 2) : "–"), numberCell(known(v.open) ? percent(v.open) : "–"),
-        numberCell(percent(v.seen)), changeCell(panel, date));
+        numberCell(known(v.open) ? percent(v.open) : "–"), numberCell(percent(v.seen)), changeCell(panel, date));
   });
   byId("panel-table")
       .replaceChildren(table(
           [
-            ["Date"], ["Leaf area, m² (95 %)", "number"], ["m² per metre", "number"], ["Canopy height, m", "number"],
-            ["Open from the side", "number"], ["Observed", "number"], ["Change since the date before (95 %)"]
+            ["Date"], ["Leaf area, m² (95 %)", "number"], ["m² per metre", "number"], ["Open from the side", "number"],
+            ["Observed", "number"], ["Change since the date before (95 %)"]
           ],
           rows, `${panelName(panel)} on all dates`));
+}
+
+// What its canopy is like: height, width, porosity, leaf layers, exposed leaves, leaf area beside the fruit.
+function showCanopyTable() {
+  const panel = panels[chosen.panel];
+  const number = (value, digits) => numberCell(known(value) ? fixed(value, digits) : "–");
+  const share = (value) => numberCell(known(value) ? percent(value) : "–");
+  const rows = data.scans.map((scan, date) => {
+    const v = valueOf(panel, date);
+    const cells = v ?
+        [
+          number(v.height, 2), number(v.width, 2), share(v.porosity), number(v.layers, 1), share(v.exposed),
+          number(v.fruit, 2)
+        ] :
+        Array.from({length: 6}, unseenCell);
+    return element("tr", date === chosen.date ? {class: "here"} : {}, element("td", {}, scan.label), cells);
+  });
+  const [low, high] = data.scans[chosen.date].fruit_zone;
+  const zone = known(low) ? `, ${fixed(low, 1)} to ${fixed(high, 1)} m high` : "";
+  byId("canopy-table")
+      .replaceChildren(table(
+          [
+            ["Date"], ["Height, m", "number"], ["Width, m", "number"], ["Porosity", "number"],
+            ["Leaf layers", "number"], ["Exposed leaves", "number"], [`Fruit zone${zone}, m² per metre`, "number"]
+          ],
+          rows, `Canopy of ${panelName(panel)}`));
 }
 
 // The map's values in words: built when it is opened, and again when the date changes.
@@ -152,9 +177,9 @@ function start() {
   };
   const key = (...parts) => () => parts.map((part) => part()).join();
   const again = [
-    when(key(panel, date), showPanel), when(key(panel, date), showPanelTable), when(key(panel, date), showCurve),
-    when(key(panel, palette), showPanelSides), when(key(panel, palette), showRowStack),
-    when(key(panel, a, b), showScatter), when(key(panel, date, palette), showHistogram),
+    when(key(panel, date), showPanel), when(key(panel, date), showPanelTable), when(key(panel, date), showCanopyTable),
+    when(key(panel, date), showCurve), when(key(panel, palette), showPanelSides),
+    when(key(panel, palette), showRowStack), when(key(panel, a, b), showScatter), when(key(panel, date, palette), showHistogram),
     when(key(panel, date), showAllPanels)
   ];
   byId("all-panels").addEventListener("toggle", showAllPanels);

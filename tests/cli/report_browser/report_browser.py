@@ -134,6 +134,8 @@ def check_panels(page):
     check(points == seen, "with a point for each date that saw it")
     sides = page.js("document.querySelectorAll('#panel-sides canvas').length")
     check(sides == page.js("data.scans.length"), "and its side view on all dates")
+    canopy = page.js("document.querySelectorAll('#canopy-table tbody tr').length")
+    check(canopy == page.js("data.scans.length"), "and what its canopy is like on all dates")
     page.js("map.root.focus()")
     page.press("ArrowDown" if page.js("panels[chosen.panel].rowIndex === 0") else "ArrowUp", 40)
     page.wait_for(f"panels[chosen.panel].rowIndex !== panels[{wanted}].rowIndex", 10)

@@ -106,6 +106,22 @@ TEST(Report, ValuesAndVerdictsAreThoseOfTheStore) {
   EXPECT_EQ(data["panels"][4][1], 2) << "its second panel";
 }
 
+TEST(Report, WhatCanopiesAreLikeIsThatOfTheStoreAndNullWhereItIsNotDefined) {
+  BlockReport report = make_report();
+  report.block.scans[1].scan.fruit_zone_low_m = 0.7, report.block.scans[1].scan.fruit_zone_high_m = 1.1;
+  PanelValue& value = report.block.scans[1].panel_values[4];
+  value.canopy_width_m = 0.63;
+  value.descriptors = {.porosity = 0.27, .leaf_layer_number = 1.44, .fruit_zone_area_per_m = 0.58};
+  const auto data = data_of(html_of(report));
+  const auto& values = data["scans"][1]["values"];
+  EXPECT_EQ(values["width"][4], 0.63);
+  EXPECT_EQ(values["porosity"][4], 0.27);
+  EXPECT_EQ(values["layers"][4], 1.4);
+  EXPECT_EQ(values["fruit"][4], 0.58);
+  EXPECT_TRUE(values["exposed"][4].is_null());
+  EXPECT_EQ(data["scans"][1]["fruit_zone"].dump(), "[0.7,1.1]");
+}
+
 TEST(Report, EqualReportsAreEqualBytes) { EXPECT_EQ(html_of(make_report()), html_of(make_report())); }
 
 TEST(Report, OneDateAloneAndBareVinesMakeOneToo) {
