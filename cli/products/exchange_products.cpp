@@ -66,6 +66,8 @@ Result<void> export_exchange(const BlockProducts& block, const std::string& cont
     RAYFIELD_CHECK(formats::write_panels_csv(block, folder.path(name)));
   if (const std::string name = block.block + "_row_metres.csv"; csv && folder.wants(name, content))
     RAYFIELD_CHECK(formats::write_row_metres_csv(block, folder.path(name)));
+  if (const std::string name = block.block + "_panel_profile.csv"; csv && folder.wants(name, content))
+    RAYFIELD_CHECK(formats::write_panel_profile_csv(block, folder.path(name)));
   const bool shapefiles = options.formats.count("shp") > 0 || !options.profiles.empty();
   if (const std::string name = block.block + "_fields.csv"; shapefiles && folder.wants(name, content))
     RAYFIELD_CHECK(formats::write_panel_fields(folder.path(name)));

@@ -121,6 +121,27 @@ Result<std::string> row_metres_csv(const BlockProducts& block, const std::string
   return text;
 }
 
+// As the table panel_profile; panels that are not the block's are left out, as in the other files.
+std::string panel_profile_csv(const BlockProducts& block) {
+  std::string text =
+      "panel_uid,row_number,panel_number,scan_id,scan_date,height_low_m,height_high_m,plant_area_m2,leaf_area_m2,"
+      "block,farm,variety\n";
+  std::map<std::string, const PanelProduct*> panels;
+  for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
+  for (const ScanResults& scan : block.scans)
+    for (const PanelProfileBand& band : scan.profile) {
+      const auto found = panels.find(band.panel_uid);
+      if (found == panels.end()) continue;
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_escape(band.panel_uid), found->second->row_number,
+                      found->second->panel_number, csv_escape(band.scan_id), csv_escape(band.scan_date),
+                      number_text(band.height_low_m, ""), number_text(band.height_high_m, ""),
+                      number_text(band.plant_area_m2, ""), number_text(band.leaf_area_m2, ""), csv_escape(block.block),
+                      csv_escape(block.farm), csv_escape(block.variety));
+    }
+  return text;
+}
+
 template <class MakeText>
 Result<void> write_csv(const std::string& path, const MakeText& make_text) {
   return guarded(kCsvWhat, path, [&]() -> Result<void> {
@@ -174,6 +195,10 @@ Result<void> write_panels_csv(const BlockProducts& block, const std::string& pat
 
 Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path) {
   return write_csv(path, [&] { return row_metres_csv(block, path); });
+}
+
+Result<void> write_panel_profile_csv(const BlockProducts& block, const std::string& path) {
+  return write_csv(path, [&]() -> Result<std::string> { return panel_profile_csv(block); });
 }
 
 }  // namespace rayfield::formats

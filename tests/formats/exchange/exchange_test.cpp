@@ -141,5 +141,21 @@ TEST(Csv, RowMetresCarryTheirPlace) {
                 place(block.crs, block.scans[0].row_metres[0].position));
 }
 
+TEST(PanelProfileCsv, HasALineForEachBandOfThePanelsOfTheBlock) {
+  const TemporaryFolder folder;
+  BlockProducts block = make_block(1, 2, {"2019-02-11"});
+  block.block = "north, \"old\"", block.farm = "Hill";
+  const std::string uid = block.panels[1].panel_uid;
+  block.scans[0].profile = {{uid, "scan-1", "2019-02-11", 0.8, 1.2, 1.0625, 0.9375},
+                            {"of another block", "scan-1", "2019-02-11", 0.8, 1.2, 1, 1},
+                            {uid, "scan-1", "2019-02-11", 1.2, 1.6, 2.5, std::nan("")}};
+  ASSERT_TRUE(write_panel_profile_csv(block, folder / "p.csv"));
+  EXPECT_EQ(read_file(folder / "p.csv"),
+            "panel_uid,row_number,panel_number,scan_id,scan_date,height_low_m,height_high_m,plant_area_m2,"
+            "leaf_area_m2,block,farm,variety\n" +
+                uid + ",1,2,scan-1,2019-02-11,0.8,1.2,1.0625,0.9375,\"north, \"\"old\"\"\",Hill,\n" + uid +
+                ",1,2,scan-1,2019-02-11,1.2,1.6,2.5,,\"north, \"\"old\"\"\",Hill,\n");
+}
+
 }  // namespace
 }  // namespace rayfield::formats

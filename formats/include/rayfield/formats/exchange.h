@@ -46,4 +46,9 @@ Result<void> write_panels_csv(const BlockProducts& block, const std::string& pat
 /// longitude, latitude. Otherwise as write_panels_csv().
 Result<void> write_row_metres_csv(const BlockProducts& block, const std::string& path);
 
+/// The vertical profiles of all panels on all dates, a line for each band of heights: panel_uid, row_number,
+/// panel_number, scan_id, scan_date, height_low_m, height_high_m, plant_area_m2, leaf_area_m2, block, farm, variety.
+/// Otherwise as write_panels_csv().
+Result<void> write_panel_profile_csv(const BlockProducts& block, const std::string& path);
+
 }  // namespace rayfield::formats
