@@ -14,6 +14,7 @@
 #include "rayfield/formats/ply_writer.h"
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log_writer.h"
+#include "rayfield/formats/trajectory_file.h"
 
 namespace {
 
@@ -128,6 +129,18 @@ Result<void> write_cloud(const fs::path& path) {
   return writer.close();
 }
 
+Result<void> write_trajectories(const fs::path& folder) {
+  fs::create_directories(folder);
+  formats::Trajectory trajectory{{}, kCrs, "IMU"};
+  for (int i = 0; i < 4; ++i)
+    trajectory.poses.push_back(
+        {1.5e9 + 0.01 * i, Rigid3{Eigen::Quaterniond::Identity(), {276196.0 + i, 6099944.0, 82}}});
+  RAYFIELD_CHECK(formats::write_trajectory((folder / "text").string(), trajectory));
+  RAYFIELD_ASSIGN(const std::string packed, formats::pack_trajectory(trajectory));
+  write_text(folder / "packed", packed);
+  return {};
+}
+
 Result<void> write_bag(const fs::path& path, formats::BagCompression compression) {
   fs::create_directories(path.parent_path());
   formats::BagWriteOptions options;
@@ -154,7 +167,10 @@ int main(int argc, char** argv) {
   write_arrays(folder / "fuzz_arrays");
   write_store_json(folder / "fuzz_store_json");
   write_text(folder / "fuzz_rig" / "everything", formats::rig_text(rig_with_everything()));
+  write_text(folder / "fuzz_rates" / "commas", "zone,rate\n1,400\n2,250.5\n3,0\n");
+  write_text(folder / "fuzz_rates" / "semicolons", "\"rate\";\"zone\"\r\n\"1e2\";\"3\"\r\n7;1\r\n0.5;2\r\n");
   auto written = write_cloud(folder / "fuzz_ply" / "cloud");
+  if (written) written = write_trajectories(folder / "fuzz_trajectory");
   using formats::BagCompression;
   for (const auto compression : {BagCompression::none, BagCompression::bz2, BagCompression::lz4}) {
     if (written)
