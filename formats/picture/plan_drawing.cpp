@@ -1,5 +1,6 @@
 #include "formats/picture/plan_drawing.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -148,8 +149,44 @@ void draw_marker(Canvas& canvas, const Vector2d& center, const PlanMarker& marke
   canvas.circle(center, marker.radius_px * unit, marker.color);
 }
 
+TextStyle scaled(TextStyle style, double unit) {
+  style.size_px *= unit;
+  style.halo_px *= unit;
+  return style;
+}
+
+/// Of every k-th label; the first one too, unless the second is shown.
+bool is_shown(std::size_t i, std::size_t every) { return (i + 1) % every == 0 || (i == 0 && every != 2); }
+
+/// Whether they do not touch then.
+bool have_room(const Canvas& canvas, const Layout& layout, const std::vector<PlanLabel>& labels, std::size_t every) {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (!is_shown(i, every)) continue;
+    const TextStyle style = scaled(labels[i].style, layout.unit);
+    const Vector2d half(0.5 * canvas.text_width_px(labels[i].text, style) + 2 * layout.unit, 0.5 * style.size_px);
+    const Vector2d center = layout.px(labels[i].position);
+    const Eigen::AlignedBox2d box(center - half, center + half);
+    if (std::any_of(boxes.begin(), boxes.end(), [&](const auto& other) { return other.intersects(box); })) return false;
+    boxes.push_back(box);
+  }
+  return true;
+}
+
+/// Names of rows: all of them, or as many as have room.
+void draw_labels(Canvas& canvas, const Layout& layout, const std::vector<PlanLabel>& labels) {
+  std::size_t every = 1;
+  for (const std::size_t step : {1, 2, 5, 10, 20, 50, 100}) {
+    every = step;
+    if (have_room(canvas, layout, labels, every)) break;
+  }
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (is_shown(i, every))
+      canvas.text(layout.px(labels[i].position), labels[i].text, scaled(labels[i].style, layout.unit));
+}
+
 void draw_overlay(Canvas& canvas, const Layout& layout, const PlanOverlay& overlay) {
-  const auto scaled = [&layout](StrokeStyle style) {
+  const auto stroke = [&layout](StrokeStyle style) {
     style.width_px *= layout.unit;
     style.dash_px *= layout.unit;
     return style;
@@ -163,18 +200,13 @@ void draw_overlay(Canvas& canvas, const Layout& layout, const PlanOverlay& overl
     std::vector<std::vector<Vector2d>> rings;
     for (const auto& ring : area.rings) rings.push_back(in_px(ring));
     canvas.rings(rings, area.fill);
-    for (const auto& ring : rings) canvas.polyline(ring, scaled(area.outline), true);
+    for (const auto& ring : rings) canvas.polyline(ring, stroke(area.outline), true);
   }
-  for (const PlanLine& line : overlay.lines) canvas.polyline(in_px(line.points), scaled(line.style), line.closed);
+  for (const PlanLine& line : overlay.lines) canvas.polyline(in_px(line.points), stroke(line.style), line.closed);
   for (const PlanMarker& marker : overlay.markers) {
     draw_marker(canvas, layout.px(marker.position), marker, layout.unit);
   }
-  for (const PlanLabel& label : overlay.labels) {
-    TextStyle style = label.style;
-    style.size_px *= layout.unit;
-    style.halo_px *= layout.unit;
-    canvas.text(layout.px(label.position), label.text, style);
-  }
+  draw_labels(canvas, layout, overlay.labels);
 }
 
 /// Of every k-th thing, with the smallest k for which they do not touch.
