@@ -59,6 +59,12 @@ std::string place_text(const Eigen::Vector2d& longitude_latitude) {
   return fmt::format("{:.9f},{:.9f}", longitude_latitude.x(), longitude_latitude.y());
 }
 
+std::map<std::string, const PanelProduct*> panels_by_uid(const BlockProducts& block) {
+  std::map<std::string, const PanelProduct*> panels;
+  for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
+  return panels;
+}
+
 Result<std::map<std::string, std::string>> panel_centres(const BlockProducts& block, const ToWgs84& to_wgs84) {
   std::map<std::string, std::string> centres;
   for (const PanelProduct& panel : block.panels) {
@@ -80,8 +86,7 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
   for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
   text += ",ray_count,wood_scan_id" + descriptor_names() + ",block,farm,variety,longitude,latitude\n";
-  std::map<std::string, const PanelProduct*> panels;
-  for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
+  const auto panels = panels_by_uid(block);
   for (const ScanResults& scan : block.scans) {
     for (const PanelValue& value : scan.panel_values) {
       const auto found = panels.find(value.panel_uid);
@@ -126,8 +131,7 @@ std::string panel_profile_csv(const BlockProducts& block) {
   std::string text =
       "panel_uid,row_number,panel_number,scan_id,scan_date,height_low_m,height_high_m,plant_area_m2,leaf_area_m2,"
       "block,farm,variety\n";
-  std::map<std::string, const PanelProduct*> panels;
-  for (const PanelProduct& panel : block.panels) panels[panel.panel_uid] = &panel;
+  const auto panels = panels_by_uid(block);
   for (const ScanResults& scan : block.scans)
     for (const PanelProfileBand& band : scan.profile) {
       const auto found = panels.find(band.panel_uid);

@@ -155,14 +155,22 @@ TextStyle scaled(TextStyle style, double unit) {
   return style;
 }
 
-/// Of every k-th label; the first one too, unless the second is shown.
-bool is_shown(std::size_t i, std::size_t every) { return (i + 1) % every == 0 || (i == 0 && every != 2); }
+/// The smallest k of 1, 2, 5 … for which every k-th of many things has room; 100 where none has.
+template <class HasRoom>
+int smallest_step(const HasRoom& has_room) {
+  for (const int step : {1, 2, 5, 10, 20, 50})
+    if (has_room(step)) return step;
+  return 100;
+}
 
-/// Whether they do not touch then.
-bool have_room(const Canvas& canvas, const Layout& layout, const std::vector<PlanLabel>& labels, std::size_t every) {
+/// Every k-th thing is shown; the first one too, unless the second is. `number`: from 1.
+bool is_shown(int number, int every) { return number % every == 0 || (number == 1 && every != 2); }
+
+/// Whether labels do not touch if every k-th is shown.
+bool have_room(const Canvas& canvas, const Layout& layout, const std::vector<PlanLabel>& labels, int every) {
   std::vector<Eigen::AlignedBox2d> boxes;
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (!is_shown(i, every)) continue;
+    if (!is_shown(static_cast<int>(i) + 1, every)) continue;
     const TextStyle style = scaled(labels[i].style, layout.unit);
     const Vector2d half(0.5 * canvas.text_width_px(labels[i].text, style) + 2 * layout.unit, 0.5 * style.size_px);
     const Vector2d center = layout.px(labels[i].position);
@@ -175,13 +183,9 @@ bool have_room(const Canvas& canvas, const Layout& layout, const std::vector<Pla
 
 /// Names of rows: all of them, or as many as have room.
 void draw_labels(Canvas& canvas, const Layout& layout, const std::vector<PlanLabel>& labels) {
-  std::size_t every = 1;
-  for (const std::size_t step : {1, 2, 5, 10, 20, 50, 100}) {
-    every = step;
-    if (have_room(canvas, layout, labels, every)) break;
-  }
+  const int every = smallest_step([&](int step) { return have_room(canvas, layout, labels, step); });
   for (std::size_t i = 0; i < labels.size(); ++i)
-    if (is_shown(i, every))
+    if (is_shown(static_cast<int>(i) + 1, every))
       canvas.text(layout.px(labels[i].position), labels[i].text, scaled(labels[i].style, layout.unit));
 }
 
@@ -215,12 +219,8 @@ void draw_numbers(Canvas& canvas, const Layout& layout, const PlanOverlay& overl
   const double high_px = style.size_px, wide_px = 1.5 * canvas.text_width_px("88", style);
   for (const PlanNumber& n : overlay.numbers) {
     if (n.across_m * layout.px_per_m < high_px) continue;
-    int every = 1;
-    for (const int step : {1, 2, 5, 10, 20, 50, 100}) {
-      every = step;
-      if (step * n.along_m * layout.px_per_m >= wide_px) break;
-    }
-    if (n.number % every != 0 && (n.number != 1 || every == 2)) continue;
+    const int every = smallest_step([&](int step) { return step * n.along_m * layout.px_per_m >= wide_px; });
+    if (!is_shown(n.number, every)) continue;
     const Vector2d aside(n.aside.x(), -n.aside.y());
     canvas.text(layout.px(n.position) + 0.62 * high_px * aside, std::to_string(n.number), style);
   }

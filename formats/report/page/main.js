@@ -179,7 +179,8 @@ function start() {
   const again = [
     when(key(panel, date), showPanel), when(key(panel, date), showPanelTable), when(key(panel, date), showCanopyTable),
     when(key(panel, date), showCurve), when(key(panel, palette), showPanelSides),
-    when(key(panel, palette), showRowStack), when(key(panel, a, b), showScatter), when(key(panel, date, palette), showHistogram),
+    when(key(panel, palette), showRowStack), when(key(panel, a, b), showScatter),
+    when(key(panel, date, palette), showHistogram),
     when(key(panel, date), showAllPanels)
   ];
   byId("all-panels").addEventListener("toggle", showAllPanels);
