@@ -96,6 +96,7 @@ Result<void> report_truth(const tile::Store& store, const std::vector<SimulatedS
   return {};
 }
 
+// Simulates the small vineyard at all its dates, maps it, and holds the areas against the truth.
 Result<Outcome> run_demo(const std::string& folder, const Context& context) {
   const DemoFolders folders(folder);
   RAYFIELD_CHECK(clear_folders(folders, context.options));

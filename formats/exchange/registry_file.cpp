@@ -41,6 +41,7 @@ std::string json_properties(const Product& product) {
                      json_string(product.valid_to), json_string(product.source));
 }
 
+// A feature collection in longitude and latitude, as RFC 7946 wants: rows, panels and posts with their identity.
 Result<std::string> geojson(const BlockProducts& block, const std::string& path) {
   const GdalSession gdal;
   RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(block.crs, kWhat, path));

@@ -28,7 +28,8 @@ struct Sheet {
   double title() const { return kTitle * unit; }
   double foot() const { return kFoot * unit; }
   Vector2d corner(int i) const {
-    return first + Vector2d((i % columns) * (size.x() + kGap * unit), (i / columns) * (size.y() + title() + foot()));
+    const int line = i / columns, column = i % columns;
+    return first + Vector2d(column * (size.x() + kGap * unit), line * (size.y() + title() + foot()));
   }
   double x(double across_m) const { return px_per_m * (across_m - window.low.x()); }
   double y(double height_m) const { return px_per_m * (window.high.y() - height_m); }

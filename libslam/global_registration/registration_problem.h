@@ -62,6 +62,8 @@ class RegistrationProblem {
   InertialState inertial_at(const BiasWeights& w) const;
   void add_inertial(int first_group, int last_group, BlockSystem& system, Eigen::Vector2d& squares) const;
   void add_gps(double slack, BlockSystem& system, RegistrationStats& stats) const;
+  /// Weak ones on every knot, so that what nothing else holds stays where it is; biases walk as the rig says, offsets
+  /// that are estimated begin at those of the rig.
   void add_priors(bool use_gps, BlockSystem& system) const;
 
   OdometryResult& odometry_;

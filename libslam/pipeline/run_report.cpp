@@ -11,6 +11,8 @@
 namespace rayfield::slam {
 namespace {
 
+// How far the fixes lie from the registered trajectory, the longest time without one, and what they leave open. Marks
+// fixes beyond three robust standard deviations as outliers, in the result too.
 GpsSummary summarise_gps(const RunFacts& f, SlamResult& result) {
   GpsSummary out;
   out.fixes = f.gps.positions.size() + f.gps.invalid;

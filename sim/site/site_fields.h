@@ -36,6 +36,7 @@ inline constexpr Choices<LaneOrder, 3> kLaneOrders{
 /// A bundle of this many rays fits on the stack of the ray caster.
 inline constexpr int kMaxSubRays = 256;
 
+/// What stands in the scene: terrain, rows, structure, canopy, surroundings.
 template <class V>
 void visit_scene(V& v, Site& s) {
   v.enter("terrain");
@@ -94,6 +95,7 @@ void visit_scene(V& v, Site& s) {
   v.leave();
 }
 
+/// What drives through it and measures: vehicle, lidar, IMU, GPS; what surfaces reflect, wind and disturbances.
 template <class V>
 void visit_sensors(V& v, Site& s) {
   v.enter("vehicle");

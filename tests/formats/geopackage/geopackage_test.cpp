@@ -21,7 +21,7 @@ using testing::message;
 using testing::read_file;
 using testing::TemporaryFolder;
 
-const std::vector<std::string> two_dates = {"2018-12-12", "2019-02-11"};
+const std::vector<std::string> kTwoDates = {"2018-12-12", "2019-02-11"};
 
 /// An open GeoPackage that answers questions in SQL.
 class Reader {
@@ -76,7 +76,7 @@ TEST(GeoPackage, PassesTheValidatorWithAndWithoutContent) {
   BlockProducts no_scan = make_block(2, 3, {});
   BlockProducts nothing;
   nothing.crs = "EPSG:7854";
-  const std::vector<std::pair<std::string, BlockProducts>> cases = {{"usual", make_block(3, 4, two_dates)},
+  const std::vector<std::pair<std::string, BlockProducts>> cases = {{"usual", make_block(3, 4, kTwoDates)},
                                                                     {"one_row", make_block(1, 1, {"2019-02-11"})},
                                                                     {"many_dates", make_block(2, 2, many_dates)},
                                                                     {"no_scan", no_scan},
@@ -91,7 +91,7 @@ TEST(GeoPackage, PassesTheValidatorWithAndWithoutContent) {
 
 TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_geopackage(make_block(3, 4, two_dates), folder / "a.gpkg"));
+  ASSERT_TRUE(write_geopackage(make_block(3, 4, kTwoDates), folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   ASSERT_TRUE(reader.good());
   const std::map<std::string, std::vector<std::string>> contract = {
@@ -157,7 +157,7 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
 
 TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   const TemporaryFolder folder;
-  BlockProducts block = make_block(2, 3, two_dates);
+  BlockProducts block = make_block(2, 3, kTwoDates);
   PanelValue& first = block.scans[1].panel_values[0];
   first.leaf_area_m2 = 0.1 + 0.2;  // needs all 17 digits
   first.lai = kNan;
@@ -212,7 +212,7 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
 
 TEST(GeoPackage, GeometriesComeBackExactly) {
   const TemporaryFolder folder;
-  const BlockProducts block = make_block(2, 3, two_dates);
+  const BlockProducts block = make_block(2, 3, kTwoDates);
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   const std::unique_ptr<OGRFeature> panel(reader.layer("panel")->GetFeature(2));
@@ -233,7 +233,7 @@ TEST(GeoPackage, GeometriesComeBackExactly) {
 
 TEST(GeoPackage, TheViewJoinsEachPanelWithEachOfItsDates) {
   const TemporaryFolder folder;
-  BlockProducts block = make_block(3, 4, two_dates);
+  BlockProducts block = make_block(3, 4, kTwoDates);
   block.scans[0].panel_values.erase(block.scans[0].panel_values.begin());  // one panel was not scanned
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
@@ -257,7 +257,7 @@ TEST(GeoPackage, TheViewJoinsEachPanelWithEachOfItsDates) {
 
 TEST(GeoPackage, EveryMeasuredColumnSaysItsUnit) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_geopackage(make_block(2, 2, two_dates), folder / "a.gpkg"));
+  ASSERT_TRUE(write_geopackage(make_block(2, 2, kTwoDates), folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   for (const char* table : {"vine_row", "panel", "post", "scan", "panel_value", "panel_profile", "row_metre",
                             "panel_by_date", "panel_wide"}) {
@@ -284,7 +284,7 @@ TEST(GeoPackage, EveryMeasuredColumnSaysItsUnit) {
 
 TEST(GeoPackage, SpatialLayersAreIndexed) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_geopackage(make_block(2, 3, two_dates), folder / "a.gpkg"));
+  ASSERT_TRUE(write_geopackage(make_block(2, 3, kTwoDates), folder / "a.gpkg"));
   const Reader reader(folder / "a.gpkg");
   for (const char* table : {"vine_row", "panel", "post", "row_metre", "panel_wide"}) {
     EXPECT_EQ(reader.value("SELECT count(*) FROM rtree_" + std::string(table) + "_geom"),
@@ -295,7 +295,7 @@ TEST(GeoPackage, SpatialLayersAreIndexed) {
 
 TEST(GeoPackage, EqualProductsAreEqualBytesAndTimesComeFromTheScans) {
   const TemporaryFolder folder;
-  const BlockProducts block = make_block(3, 4, two_dates);
+  const BlockProducts block = make_block(3, 4, kTwoDates);
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   const std::string reference = read_file(folder / "a.gpkg");
   ASSERT_TRUE(write_geopackage(block, folder / "other name.gpkg"));
@@ -323,7 +323,7 @@ std::vector<std::pair<double, double>> class_limits(const std::string& qml) {
 
 TEST(GeoPackage, EverySpatialLayerHasADefaultStyleAndPanelsHaveFixedClasses) {
   const TemporaryFolder folder;
-  BlockProducts block = make_block(2, 3, two_dates);
+  BlockProducts block = make_block(2, 3, kTwoDates);
   ASSERT_TRUE(write_geopackage(block, folder / "a.gpkg"));
   for (PanelValue& value : block.scans[1].panel_values) value.leaf_area_per_m *= 0.1;
   ASSERT_TRUE(write_geopackage(block, folder / "b.gpkg"));
@@ -376,7 +376,7 @@ TEST(GeoPackage, ASecondScanOfOneDateGetsAColumnOfItsOwn) {
 
 TEST(GeoPackage, WrongInputIsRefusedAndTheOldFileStays) {
   const TemporaryFolder folder;
-  const BlockProducts good = make_block(2, 3, two_dates);
+  const BlockProducts good = make_block(2, 3, kTwoDates);
   ASSERT_TRUE(write_geopackage(good, folder / "a.gpkg"));
   const std::string before = read_file(folder / "a.gpkg");
   const auto code = [&folder](const BlockProducts& block) {

@@ -16,7 +16,7 @@ using testing::make_block;
 using testing::message;
 using testing::TemporaryFolder;
 
-const std::vector<std::string> scan_ids = {"scan-2018-12-12", "scan-2019-02-11"};
+const std::vector<std::string> kScanIds = {"scan-2018-12-12", "scan-2019-02-11"};
 
 /// A GeoPackage open for writing, as GIS programs have it.
 class Editor {
@@ -83,7 +83,7 @@ TEST(GeoPackageCarriesOver, TablesLayersViewsStylesAndProjectsOfUsers) {
   add_soil_pits(before);
   add_tables(before);
   const BlockProducts both = make_block(2, 3, {"2018-12-12", "2019-02-11"});
-  EXPECT_TRUE(check_replaceable(both, scan_ids, before)) << message(check_replaceable(both, scan_ids, before));
+  EXPECT_TRUE(check_replaceable(both, kScanIds, before)) << message(check_replaceable(both, kScanIds, before));
   EXPECT_TRUE((*inspect_geopackage(before))->has_additions);
   ASSERT_TRUE(write_geopackage(both, after));
   const auto carried = carry_over(before, after);
@@ -131,7 +131,7 @@ TEST(GeoPackageCarriesOver, ProjectsOfUsersWhileOursIsMadeAnew) {
   EXPECT_TRUE((*inspect_geopackage(folder / "0.gpkg"))->has_additions);
   for (int i = 1; i <= 2; ++i) {
     const std::string from = folder / (std::to_string(i - 1) + ".gpkg"), to = folder / (std::to_string(i) + ".gpkg");
-    EXPECT_TRUE(check_replaceable(both, scan_ids, from)) << message(check_replaceable(both, scan_ids, from));
+    EXPECT_TRUE(check_replaceable(both, kScanIds, from)) << message(check_replaceable(both, kScanIds, from));
     ASSERT_TRUE(write_geopackage(both, to, options));
     const auto carried = carry_over(from, to);
     ASSERT_TRUE(carried) << message(carried);
@@ -151,7 +151,7 @@ TEST(GeoPackageCarriesOver, AgainAndAgainAndStaysValid) {
   add_soil_pits(folder / "0.gpkg");
   for (int i = 1; i <= 3; ++i) {
     const std::string from = folder / (std::to_string(i - 1) + ".gpkg"), to = folder / (std::to_string(i) + ".gpkg");
-    EXPECT_TRUE(check_replaceable(block, scan_ids, from)) << message(check_replaceable(block, scan_ids, from));
+    EXPECT_TRUE(check_replaceable(block, kScanIds, from)) << message(check_replaceable(block, kScanIds, from));
     ASSERT_TRUE(write_geopackage(block, to));
     const auto carried = carry_over(from, to);
     ASSERT_TRUE(carried) << message(carried);

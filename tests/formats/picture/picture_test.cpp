@@ -31,7 +31,7 @@ constexpr double kWithoutLegend = 0.8;
 
 /// A scale whose every value differs from the greys around the map; the value between two stops is not on the ramp's
 /// ends.
-const ColorScale scale{0, 8, Ramp::canopy};
+const ColorScale kScale{0, 8, Ramp::canopy};
 
 RasterProduct flat(int nx, int ny, float value) {
   return {"plan_density", "m2/m2", "", Grid2<float>({276100, 6099900}, 0.5, nx, ny, value)};
@@ -54,15 +54,15 @@ TEST(PlanPicture, ShowsEachValueInItsColourWithNorthUpAndEastRight) {
   const auto written = write_plan_picture(raster, {}, folder / "p.png");
   ASSERT_TRUE(written) << message(written);
   const Image image = read_png(folder / "p.png");
-  const Blob nw = find(image, color_at(scale, 2)), ne = find(image, color_at(scale, 4)),
-             sw = find(image, color_at(scale, 6));
+  const Blob nw = find(image, color_at(kScale, 2)), ne = find(image, color_at(kScale, 4)),
+             sw = find(image, color_at(kScale, 6));
   ASSERT_GT(nw.count, kMoreThanTheLegend);
   ASSERT_GT(ne.count, kMoreThanTheLegend);
   ASSERT_GT(sw.count, kMoreThanTheLegend);
   EXPECT_LT(nw.x, ne.x);
   EXPECT_LT(nw.y, sw.y);
   EXPECT_NEAR(nw.x, sw.x, 0.05 * image.width);
-  EXPECT_GT(find(image, color_at(scale, 0)).count, 10 * kMoreThanTheLegend);
+  EXPECT_GT(find(image, color_at(kScale, 0)).count, 10 * kMoreThanTheLegend);
 }
 
 TEST(PlanPicture, CellsThatWereNotScannedAreHatchedGreyNotColoured) {
@@ -77,7 +77,7 @@ TEST(PlanPicture, CellsThatWereNotScannedAreHatchedGreyNotColoured) {
   ASSERT_TRUE(write_plan_picture(raster, {}, folder / "p.png", options));
   const Image image = read_png(folder / "p.png");
   // Zero covers the raster but for the hole; the hole's middle is the middle of that area.
-  const Blob zero = find(image, color_at(scale, 0), kWithoutLegend);
+  const Blob zero = find(image, color_at(kScale, 0), kWithoutLegend);
   const int cx = (zero.low_x + zero.high_x) / 2, cy = (zero.low_y + zero.high_y) / 2;
   int lightest = 0, darkest = 255;
   for (int y = cy - 20; y < cy + 20; ++y) {
@@ -102,7 +102,7 @@ TEST(PlanPicture, FineCellsAreAveragedByArea) {
   options.coordinates = false;
   ASSERT_TRUE(write_plan_picture(raster, {}, folder / "p.png", options));
   const Image image = read_png(folder / "p.png");
-  const Rgba mean = color_at(scale, 4), near_low = color_at(scale, 3.9), near_high = color_at(scale, 4.1);
+  const Rgba mean = color_at(kScale, 4), near_low = color_at(kScale, 3.9), near_high = color_at(kScale, 4.1);
   const auto between = [](int value, int a, int b) { return value >= std::min(a, b) && value <= std::max(a, b); };
   int good = 0, bad = 0;
   for (int y = image.height / 3; y < image.height / 2; ++y) {
@@ -125,7 +125,7 @@ TEST(PlanPicture, OverlaysLieOnTheCellsTheyBelongTo) {
   }
   const Vector2d middle = raster.grid.origin + 0.5 * Vector2d(62, 42);
   ASSERT_TRUE(write_plan_picture(raster, {}, folder / "without.png"));
-  const Blob cells = find(read_png(folder / "without.png"), color_at(scale, 6), kWithoutLegend);
+  const Blob cells = find(read_png(folder / "without.png"), color_at(kScale, 6), kWithoutLegend);
   PlanOverlay overlay;
   overlay.markers.push_back({middle, {255, 0, 255, 255}, 4});
   ASSERT_TRUE(write_plan_picture(raster, overlay, folder / "with.png"));

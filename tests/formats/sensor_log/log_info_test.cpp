@@ -14,7 +14,6 @@ using namespace bytes;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const TopicInfo& topic(const LogInfo& info, const std::string& name) {
   for (const TopicInfo& each : info.topics) {

@@ -14,7 +14,6 @@ namespace {
 
 using testing::dense;
 using testing::Functor;
-using testing::small_random;
 
 constexpr double kStep = 0.01;
 
