@@ -102,10 +102,12 @@ Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(s.cells, stored_count(arrays, json, "cells", 1, kMostCells));
   RAYFIELD_ASSIGN(const int coverage, stored_count(arrays, json, "coverage_cells", 1, kMostCells));
   if (!(s.tile_size_m > 0) || !(s.bin_m > 0) || !(s.path_step_s > 0)) return damaged(arrays, "a size is not positive");
-  s.segments = json.value("segments", std::int64_t{0}), s.starts = json.value("starts", std::int64_t{0});
-  s.ends = json.value("ends", std::int64_t{0}), s.hits = json.value("hits", std::int64_t{0});
-  s.misses_above = json.value("misses_above", std::int64_t{0});
-  s.misses_below = json.value("misses_below", std::int64_t{0});
+  RAYFIELD_ASSIGN(s.segments, stored_total(arrays, json, "segments"));
+  RAYFIELD_ASSIGN(s.starts, stored_total(arrays, json, "starts"));
+  RAYFIELD_ASSIGN(s.ends, stored_total(arrays, json, "ends"));
+  RAYFIELD_ASSIGN(s.hits, stored_total(arrays, json, "hits"));
+  RAYFIELD_ASSIGN(s.misses_above, stored_total(arrays, json, "misses_above"));
+  RAYFIELD_ASSIGN(s.misses_below, stored_total(arrays, json, "misses_below"));
   RAYFIELD_ASSIGN(s.first_time_s, stored_number(arrays, json, "first_time_s"));
   RAYFIELD_ASSIGN(s.last_time_s, stored_number(arrays, json, "last_time_s"));
   s.lowest_hit_m = null_is_nan(json, "lowest_hit_m"), s.highest_hit_m = null_is_nan(json, "highest_hit_m");

@@ -38,6 +38,16 @@ inline Result<int> stored_count(const tile::ArraySet& arrays, const nlohmann::js
   return it->get<int>();
 }
 
+/// How many there are of something; 0 where versions before did not say.
+inline Result<std::int64_t> stored_total(const tile::ArraySet& arrays, const nlohmann::json& json,
+                                         const std::string& name) {
+  const auto it = json.find(name);
+  if (it == json.end()) return 0;
+  if (!it->is_number_integer() || it->get<std::int64_t>() < 0)
+    return damaged(arrays, "attribute '" + name + "' is no count");
+  return it->get<std::int64_t>();
+}
+
 /// A column of an expected length.
 template <class T>
 Result<std::span<const T>> stored_column(const tile::ArraySet& arrays, const std::string& name, std::size_t length) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
+#include <string>
 
 #include "tests/libdensity/scene.h"
 
@@ -98,6 +100,20 @@ TEST(Survey, RefusesStoredColumnsThatDoNotFitTogether) {
   EXPECT_EQ(back.error().code, ErrorCode::damaged);
   arrays.attributes = "{";
   EXPECT_EQ(survey_from_arrays(arrays).error().code, ErrorCode::damaged);
+}
+
+TEST(Survey, RefusesStoredCountsThatAreNone) {
+  const tile::ArraySet good = survey_to_arrays(testing::survey_all(busy_scene().tiles()).front());
+  for (const std::string count : {"segments", "starts", "ends", "hits", "misses_above", "misses_below"})
+    for (const char* wrong : {"\"many\"", "1.5", "-1", "null"}) {
+      tile::ArraySet arrays = good;
+      const std::string name = "\"" + count + "\":";
+      arrays.attributes = std::regex_replace(good.attributes, std::regex(name + "[0-9]+"), name + wrong);
+      ASSERT_NE(arrays.attributes, good.attributes);
+      const auto back = survey_from_arrays(arrays);
+      ASSERT_FALSE(back) << name << wrong;
+      EXPECT_EQ(back.error().code, ErrorCode::damaged);
+    }
 }
 
 }  // namespace
