@@ -24,9 +24,11 @@ failed=0
 for target in "$@"; do
   findings=build/fuzz/findings/$target log=build/fuzz/$target.log
   mkdir -p "$findings"
+  words=tests/fuzz/$target.dict
+  [ -f "$words" ] && words="-dict=$words" || words=-verbosity=1
   echo "== $target" >&2
   nice -n 10 "$programs/$target" -max_total_time="$seconds" -max_len=65536 -timeout=10 -rss_limit_mb=2048 \
-    -print_final_stats=1 -artifact_prefix="$findings/" "build/fuzz/corpus/$target" >"$log" 2>&1 || tail -n 40 "$log" >&2
+    -print_final_stats=1 "$words" -artifact_prefix="$findings/" "build/fuzz/corpus/$target" >"$log" 2>&1 || tail -n 40 "$log" >&2
   executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -1)
   rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$log" | tail -1)
   kept=$(find "build/fuzz/corpus/$target" -type f | wc -l)

@@ -15,6 +15,7 @@
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log_writer.h"
 #include "rayfield/formats/trajectory_file.h"
+#include "tests/fuzz/derived_seeds.h"
 
 namespace {
 
@@ -166,6 +167,7 @@ int main(int argc, char** argv) {
   for (const std::size_t segments : {1, 16, 40}) write_tile(folder / "fuzz_tile" / std::to_string(segments), segments);
   write_arrays(folder / "fuzz_arrays");
   write_store_json(folder / "fuzz_store_json");
+  for (const auto& [name, bytes] : fuzz::derived_seeds()) write_text(folder / "fuzz_derived" / name, bytes);
   write_text(folder / "fuzz_rig" / "everything", formats::rig_text(rig_with_everything()));
   write_text(folder / "fuzz_rates" / "commas", "zone,rate\n1,400\n2,250.5\n3,0\n");
   write_text(folder / "fuzz_rates" / "semicolons", "\"rate\";\"zone\"\r\n\"1e2\";\"3\"\r\n7;1\r\n0.5;2\r\n");
