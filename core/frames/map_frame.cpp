@@ -27,6 +27,8 @@ using PjPtr = std::unique_ptr<PJ, PjDeleter>;
 
 ContextPtr make_context() {
   ContextPtr context(proj_context_create());
+  // Where PROJ cannot open its database it speaks in spite of PJ_LOG_NONE.
+  proj_log_func(context.get(), nullptr, [](void* /*app*/, int /*level*/, const char* /*text*/) {});
   proj_log_level(context.get(), PJ_LOG_NONE);
   proj_context_set_enable_network(context.get(), 0);
   return context;
@@ -36,6 +38,16 @@ tl::unexpected<Error> bad_crs(const std::string& code, std::string_view why) {
   return fail(
       ErrorCode::usage, "cannot use coordinate reference system", code, why,
       "give a projected CRS in metres, e.g. EPSG:7854 (GDA2020 / MGA zone 54) or EPSG:32633 (WGS 84 / UTM zone 33N)");
+}
+
+// Why a CRS could not be made: no file descriptor or no memory for PROJ's database says nothing about the CRS.
+Error unknown_crs(PJ_CONTEXT* context, const std::string& code) {
+  if (proj_context_get_database_path(context) != nullptr) return bad_crs(code, "PROJ does not know it").value();
+  return fail(ErrorCode::resources, "cannot look up coordinate reference system", code,
+              "PROJ cannot open its database, proj.db",
+              "check that the package proj-data is installed, that PROJ_LIB, where set, names its folder, and that "
+              "files can be opened (ulimit -n)")
+      .value();
 }
 
 constexpr double kScaleTolerance = 0.01, kMaxConvergence_deg = 60, kMaxOutside_deg = 10, kNearOrigin_m = 1000;
@@ -76,7 +88,8 @@ PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
 
 Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
   PjPtr crs(proj_create(context, trimmed(code).c_str()));
-  if (!crs || !proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");
+  if (!crs) return tl::make_unexpected(unknown_crs(context, code));
+  if (!proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");
   crs = horizontal_part(context, std::move(crs));
   const PJ_TYPE type = proj_get_type(crs.get());
   if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS || type == PJ_TYPE_GEOCENTRIC_CRS)

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <numbers>
@@ -33,6 +34,19 @@ TEST(LookupProjectedCrs, RefusesGeographicUnknownAndImperialSystemsWithAReason) 
 }
 
 // UTM on the central meridian: k0 = 0.9996, false easting 500 km, no convergence (definition of the projection).
+TEST(LookupProjectedCrs, ADatabaseThatCannotBeOpenedIsNoFaultOfTheCrs) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none_left = before;
+  none_left.rlim_cur = 3;  // as many as are open always
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none_left), 0);
+  const auto result = lookup_projected_crs("EPSG:7854");
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::resources);
+  EXPECT_NE(result.error().why.find("proj.db"), std::string::npos) << result.error().why;
+}
+
 TEST(MapFrame, HasTheDefiningConstantsOfUtmOnTheCentralMeridian) {
   const MapFrame frame = MapFrame::create("EPSG:32633").value();
   const Eigen::Vector3d p = frame.map_from_geodetic({47.0, 15.0, 123.0});

@@ -17,7 +17,8 @@ struct CrsInfo {
 };
 
 /// Looks up a CRS and checks that maps can be made in it: known to PROJ, projected, axes in metres, easting first.
-/// Errors: usage, with the reason (unknown code, geographic, feet, south-orientated axes).
+/// Errors: usage, with the reason (unknown code, geographic, feet, south-orientated axes); resources, where PROJ cannot
+/// open its database.
 Result<CrsInfo> lookup_projected_crs(const std::string& code);
 
 /// Whether two ways to write a CRS mean the same one: "epsg:7854 " and "EPSG:7854".
