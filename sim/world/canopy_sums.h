@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rayfield/sim/world.h"
+#include "rayfield/sim/vineyard.h"
 #include "sim/world/ground.h"
 #include "sim/world/triangle_mesh.h"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "rayfield/sim/world.h"
+#include "rayfield/sim/vineyard.h"
 #include "sim/world/ground.h"
 #include "sim/world/triangle_mesh.h"
 
