@@ -12,8 +12,8 @@
 #include "rayfield/sim/random.h"
 #include "sim/drive/path.h"
 #include "sim/drive/true_trajectory.h"
-#include "sim/world/smooth_noise.h"
-#include "sim/world/terrain.h"
+#include "sim/terrain/smooth_noise.h"
+#include "sim/terrain/terrain.h"
 
 namespace rayfield::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/world/smooth_noise.h"
+#include "sim/terrain/smooth_noise.h"
 
 namespace rayfield::sim {
 namespace {

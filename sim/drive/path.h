@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/drive/uniform_spline.h"
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
 
 namespace rayfield::sim {
 

@@ -7,9 +7,9 @@
 
 #include "rayfield/sim/random.h"
 #include "sim/scan/wide_beam.h"
-#include "sim/world/leaf_angles.h"
+#include "sim/terrain/triangle_mesh.h"
+#include "sim/vines/leaf_angles.h"
 #include "sim/world/ray_scene.h"
-#include "sim/world/triangle_mesh.h"
 
 namespace rayfield::sim {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
+#include "sim/terrain/terrain.h"
 #include "sim/world/map_from_enu.h"
-#include "sim/world/terrain.h"
 
 namespace rayfield::sim {
 namespace {

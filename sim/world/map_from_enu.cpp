@@ -4,7 +4,7 @@
 
 #include <Eigen/SVD>
 
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
 
 namespace rayfield::sim {
 

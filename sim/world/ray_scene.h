@@ -1,5 +1,7 @@
 #pragma once
 
+/// world/: a block on one date with its surroundings, ready for rays, and its place on the map.
+
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
@@ -8,7 +10,7 @@
 
 #include "rayfield/core/result.h"
 #include "rayfield/sim/world.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 

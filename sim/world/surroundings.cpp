@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "rayfield/sim/random.h"
-#include "sim/world/leaf_angles.h"
+#include "sim/vines/leaf_angles.h"
 
 namespace rayfield::sim {
 namespace {

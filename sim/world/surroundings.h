@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sim/world/ground.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/ground.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 

@@ -3,17 +3,17 @@
 #include <fmt/core.h>
 
 #include "rayfield/core/parallel.h"
-#include "sim/world/area_sums.h"
-#include "sim/world/block_geometry.h"
-#include "sim/world/canopy.h"
-#include "sim/world/canopy_sums.h"
-#include "sim/world/leaf_angles.h"
+#include "sim/terrain/block_geometry.h"
+#include "sim/terrain/terrain.h"
+#include "sim/vines/area_sums.h"
+#include "sim/vines/canopy.h"
+#include "sim/vines/canopy_sums.h"
+#include "sim/vines/leaf_angles.h"
+#include "sim/vines/trellis.h"
+#include "sim/vines/vine_wood.h"
+#include "sim/vines/wind.h"
 #include "sim/world/ray_scene.h"
 #include "sim/world/surroundings.h"
-#include "sim/world/terrain.h"
-#include "sim/world/trellis.h"
-#include "sim/world/vine_wood.h"
-#include "sim/world/wind.h"
 
 namespace rayfield::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "sim/drive/true_trajectory.h"
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
 #include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {

@@ -4,7 +4,7 @@
 
 #include "rayfield/core/map_frame.h"
 #include "sim/drive/true_trajectory.h"
-#include "sim/world/terrain.h"
+#include "sim/terrain/terrain.h"
 #include "tests/sim/recorded_drive.h"
 
 namespace rayfield::sim {

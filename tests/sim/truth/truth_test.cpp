@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "rayfield/core/map_frame.h"
-#include "sim/world/terrain.h"
+#include "sim/terrain/terrain.h"
 #include "tests/sim/true_values.h"
 
 namespace rayfield::sim {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "rayfield/sim/random.h"
-#include "sim/world/terrain.h"
+#include "sim/terrain/terrain.h"
 #include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {

@@ -1,4 +1,4 @@
-#include "sim/world/leaf_angles.h"
+#include "sim/vines/leaf_angles.h"
 
 #include <algorithm>
 #include <cmath>

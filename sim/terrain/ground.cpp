@@ -1,4 +1,4 @@
-#include "sim/world/ground.h"
+#include "sim/terrain/ground.h"
 
 namespace rayfield::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/triangle_mesh.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

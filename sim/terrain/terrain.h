@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
 
 namespace rayfield::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/world/canopy.h"
+#include "sim/vines/canopy.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "rayfield/sim/random.h"
-#include "sim/world/smooth_noise.h"
+#include "sim/terrain/smooth_noise.h"
 
 namespace rayfield::sim {
 namespace {

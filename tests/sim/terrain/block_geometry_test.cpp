@@ -1,4 +1,4 @@
-#include "sim/world/block_geometry.h"
+#include "sim/terrain/block_geometry.h"
 
 #include <cmath>
 #include <numbers>

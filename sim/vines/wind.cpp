@@ -1,4 +1,4 @@
-#include "sim/world/wind.h"
+#include "sim/vines/wind.h"
 
 #include <cmath>
 

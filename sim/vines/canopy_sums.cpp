@@ -1,11 +1,11 @@
-#include "sim/world/canopy_sums.h"
+#include "sim/vines/canopy_sums.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "sim/world/area_sums.h"
+#include "sim/vines/area_sums.h"
 
 namespace rayfield::sim {
 namespace {

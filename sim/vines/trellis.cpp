@@ -1,4 +1,4 @@
-#include "sim/world/trellis.h"
+#include "sim/vines/trellis.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sim/world/canopy_sums.h"
+#include "sim/vines/canopy_sums.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "sim/world/vine_wood.h"
+#include "sim/vines/vine_wood.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,11 +1,11 @@
-#include "sim/world/terrain.h"
+#include "sim/terrain/terrain.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sim/world/smooth_noise.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/smooth_noise.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 namespace {

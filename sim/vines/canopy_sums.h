@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "rayfield/sim/vineyard.h"
-#include "sim/world/ground.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/ground.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 

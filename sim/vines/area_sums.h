@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "rayfield/sim/vineyard.h"
-#include "sim/world/terrain.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/terrain.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 

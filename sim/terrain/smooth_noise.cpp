@@ -1,4 +1,4 @@
-#include "sim/world/smooth_noise.h"
+#include "sim/terrain/smooth_noise.h"
 
 #include <array>
 #include <cmath>

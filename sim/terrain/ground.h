@@ -1,13 +1,12 @@
 #pragma once
 
-/// world/: the vineyard as triangles: ground, trellis, wood, leaves and surroundings, with the leaf and wood areas they
-/// add up to.
+/// terrain/: where rows and lanes lie, the bare ground under them, and the triangles that all is made of.
 
 #include <Eigen/Core>
 
 #include "rayfield/sim/site.h"
-#include "sim/world/block_geometry.h"
-#include "sim/world/terrain.h"
+#include "sim/terrain/block_geometry.h"
+#include "sim/terrain/terrain.h"
 
 namespace rayfield::sim {
 

@@ -1,12 +1,14 @@
 #pragma once
 
+/// vines/: trellis, wood and leaves of the rows as triangles, how the wind moves them, and the areas they add up to.
+
 #include <cstdint>
 #include <vector>
 
 #include "rayfield/sim/vineyard.h"
-#include "sim/world/ground.h"
-#include "sim/world/leaf_angles.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/ground.h"
+#include "sim/terrain/triangle_mesh.h"
+#include "sim/vines/leaf_angles.h"
 
 namespace rayfield::sim {
 

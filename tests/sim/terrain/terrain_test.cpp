@@ -1,4 +1,4 @@
-#include "sim/world/terrain.h"
+#include "sim/terrain/terrain.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "sim/world/area_sums.h"
+#include "sim/vines/area_sums.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

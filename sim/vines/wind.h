@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "rayfield/sim/site.h"
-#include "sim/world/block_geometry.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/block_geometry.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "rayfield/sim/vineyard.h"
-#include "sim/world/ground.h"
-#include "sim/world/triangle_mesh.h"
+#include "sim/terrain/ground.h"
+#include "sim/terrain/triangle_mesh.h"
 
 namespace rayfield::sim {
 
