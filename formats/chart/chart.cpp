@@ -1,10 +1,10 @@
 #include "rayfield/formats/chart.h"
 
+#include "formats/chart/scatter_drawing.h"
+#include "formats/chart/season_drawing.h"
+#include "formats/chart/series_drawing.h"
 #include "formats/io/guard.h"
 #include "formats/picture/picture_elements.h"
-#include "formats/picture/scatter_drawing.h"
-#include "formats/picture/season_drawing.h"
-#include "formats/picture/series_drawing.h"
 
 namespace rayfield::formats {
 

@@ -1,4 +1,4 @@
-#include "formats/picture/scatter_drawing.h"
+#include "formats/chart/scatter_drawing.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 #include "formats/picture/color.h"
 #include "formats/picture/picture_elements.h"
 

@@ -1,4 +1,4 @@
-#include "formats/picture/series_drawing.h"
+#include "formats/chart/series_drawing.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 #include "formats/picture/picture_elements.h"
 
 namespace rayfield::formats {

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 #include "tests/formats/png_image.h"
 #include "tests/formats/season_support.h"
 

@@ -1,4 +1,4 @@
-#include "formats/picture/season_drawing.h"
+#include "formats/chart/season_drawing.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 #include "formats/picture/picture_elements.h"
 
 namespace rayfield::formats {

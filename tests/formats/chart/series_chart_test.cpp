@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 #include "rayfield/formats/chart.h"
 #include "tests/formats/png_image.h"
 #include "tests/formats/products_support.h"

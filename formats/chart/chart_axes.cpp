@@ -1,4 +1,4 @@
-#include "formats/picture/chart_axes.h"
+#include "formats/chart/chart_axes.h"
 
 #include <fmt/format.h>
 
