@@ -12,6 +12,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/density/process.h"
 
+/// blocks: the monthly update of a block, lists of blocks, and their references.
 namespace rayfield::cli {
 
 /// The monthly job of one block.

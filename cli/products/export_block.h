@@ -11,6 +11,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
 
+/// products: maps, comparisons and reports of a block, from its store into a folder.
 namespace rayfield::cli {
 
 /// What `rayfield export` writes.

@@ -10,8 +10,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
 
-/// jobs: pieces of work that several commands need, put together from the libraries: a scan added, a log registered, a
-/// block exported, a site simulated.
+/// scans: ray clouds and logs on their way into a store: their date and place, their alignment, what they take.
 namespace rayfield::cli {
 
 /// What `rayfield add` is given.

@@ -8,6 +8,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/sim/sim.h"
 
+/// simulation: simulated sites written to files, and areas against their truth.
 namespace rayfield::cli {
 
 /// What to write for each date of a site.

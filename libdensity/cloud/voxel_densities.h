@@ -11,7 +11,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/spill_file.h"
 
-/// Here hits get the densities of their voxels (docs/products.md, "Point cloud").
+/// cloud: every hit with the density of its voxel (docs/products.md, "Point cloud").
 namespace rayfield::density {
 
 /// Where the densities of a row segment's voxels are.

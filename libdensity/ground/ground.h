@@ -1,6 +1,5 @@
 #pragma once
-/// Here one reading of every tile becomes a survey, the surveys the sensor's trajectory and the ground
-/// (docs/ground.md).
+/// ground: one pass over a tile makes its survey; surveys make the sensor's trajectory and the ground (docs/ground.md).
 #include <Eigen/Core>
 #include <array>
 #include <span>

@@ -8,6 +8,7 @@
 
 #include "rayfield/core/grid3.h"
 
+/// layout: what a block consists of (rows, panels, posts, trunks), and the geometry of their lines.
 namespace rayfield::density {
 
 /// What names a row, panel or post for ever, and from when to when it stands. Dates are YYYY-MM-DD; `to` dates are the

@@ -12,6 +12,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/density/layout_options.h"
 
+/// posts: upright things in the rows: posts, trunks, and the panels between posts.
 namespace rayfield::density {
 
 /// An upright thing in a row.

@@ -10,6 +10,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/arrays.h"
 
+/// results: the values of a scan as the store keeps them.
 namespace rayfield::density {
 
 /// Stored form of what one scan gives, kind "results" version 1. Panels and rows are named by their numbers; their

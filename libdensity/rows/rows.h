@@ -1,5 +1,5 @@
 #pragma once
-/// Here rows, posts, trunks and panels are found in the hits of one scan (docs/rows.md): the block's layout.
+/// rows: passes of the vehicle, a map of the canopy's hits, and the rows found in both (docs/rows.md).
 #include <Eigen/Core>
 #include <span>
 #include <string>

@@ -10,8 +10,8 @@
 
 namespace rayfield::density {
 
-/// Here the stages run one after the other over a store, which keeps what each of them made under a key of all it
-/// depends on. What the stages of one scan share:
+/// scan: the stages of one scan up to its voxels. The store keeps the result of each under a key of all it depends on.
+/// What they share:
 struct ScanWork {
   const tile::Store& store;
   const tile::ScanEntry& scan;

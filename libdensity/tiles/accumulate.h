@@ -9,8 +9,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
 
-/// Here live the means that all stages share: reading a tile chunk by chunk, sums that do not depend on their order,
-/// and reading derived data.
+/// tiles: what all stages share: reading a tile chunk by chunk, sums that do not depend on their order, and stored
+/// derived data.
 namespace rayfield::density {
 
 /// ErrorCode::interrupted once the user asked to stop.

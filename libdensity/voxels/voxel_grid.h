@@ -20,7 +20,7 @@
 #include "rayfield/density/options.h"
 #include "rayfield/tile/segments.h"
 
-/// Here rows get their voxel grids, and rays, hits and path lengths are counted in them (docs/density.md).
+/// voxels: the voxel grids of rows, and the rays, hits and path lengths counted in them (docs/density.md).
 namespace rayfield::density {
 
 /// Sums over the rays that cross one voxel. With x the true length of a ray inside the voxel up to its hit or to where

@@ -1,4 +1,4 @@
-/// Stage b: global registration of the whole drive with loop closures, poles and GPS.
+/// global_registration: stage b: global registration of the whole drive with loop closures, poles and GPS.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-/// Position fixes: alignment of a trajectory with them, their clock, and the way into the map frame.
+/// gps: position fixes: alignment of a trajectory with them, their clock, and the way into the map frame.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-/// From the messages of a log to clean data: IMU samples on a grid without spikes, lidar points in the IMU frame.
+/// input: from the messages of a log to clean data: IMU samples on a grid without spikes, lidar points in the IMU
+/// frame.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-/// Stage a: initialization and non-rigid registration in a sliding window.
+/// odometry: stage a: initialization and non-rigid registration in a sliding window.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// The whole chain from a log to trajectory and report, with the checks that a result has to pass.
+/// pipeline: the whole chain from a log to trajectory and report, with the checks that a result has to pass.
 #pragma once
 
 #include <memory>

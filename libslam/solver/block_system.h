@@ -1,4 +1,4 @@
-/// Residuals, their Jacobians, and the normal equations that both stages solve.
+/// solver: residuals, their Jacobians, and the normal equations that both stages solve.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-/// Surfels and poles: how they are extracted from points, kept on disk, divided by place, and matched.
+/// surfels: surfels and poles: how they are extracted from points, kept on disk, divided by place, and matched.
 #pragma once
 
 #include <Eigen/Core>

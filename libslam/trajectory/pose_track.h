@@ -1,4 +1,4 @@
-/// Trajectories: poses on a time grid, the spline that corrects them, rotations, and the result in map coordinates.
+/// trajectory: poses on a time grid, the spline that corrects them, rotations, and the result in map coordinates.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-/// From a log and a trajectory to rays in the map frame, and to a plan view.
+/// unwarp: from a log and a trajectory to rays in the map frame, and to a plan view.
 #pragma once
 
 #include <cstdint>

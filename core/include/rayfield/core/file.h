@@ -10,6 +10,8 @@
 
 #include "rayfield/core/result.h"
 
+/// files: file descriptors that close themselves, whole text files, temporary files for what does not fit in memory.
+///
 /// POSIX files with every return value checked. `what` opens error messages ("cannot read bag"), paths in them are as
 /// given.
 namespace rayfield {

@@ -13,6 +13,8 @@
 
 #include "rayfield/core/result.h"
 
+/// options: the options of an algorithm, written once for checks, settings, keys and documentation.
+///
 /// Options are written once. A struct of options gives its members' defaults, and one function template beside them
 /// that names every member with its valid range and meaning:
 ///

@@ -5,6 +5,8 @@
 
 #include "rayfield/core/result.h"
 
+/// parallel: work on several threads with results that do not depend on their number.
+///
 /// Parallel work on OpenMP. OpenMP itself shows in no other file: its threads are had through these functions, which
 /// keep order, errors and results independent of their number. Inside a task they run in the calling thread.
 namespace rayfield {

@@ -9,6 +9,8 @@
 #include "rayfield/core/season_products.h"
 #include "rayfield/formats/picture.h"
 
+/// chart: dates of a block, and series of numbers, as charts.
+///
 /// Charts of a block's dates, and of numbers of any kind: PNG, or SVG where the path ends in .svg. Equal input gives
 /// equal bytes.
 namespace rayfield::formats {

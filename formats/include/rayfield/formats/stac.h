@@ -8,6 +8,8 @@
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
 
+/// stac: the maps of a block as a STAC catalogue.
+///
 /// A block's maps in words that catalogues understand: SpatioTemporal Asset Catalog 1.0.0 with the extensions
 /// `projection` and `raster`. One Item per scan with its Cloud Optimised GeoTIFFs as assets, and a Collection of the
 /// Items; references are relative, so that the folder can be moved or served as it is.

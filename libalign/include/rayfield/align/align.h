@@ -11,7 +11,7 @@
 #include "rayfield/core/ray_source.h"
 #include "rayfield/core/result.h"
 
-/// libalign: lays a scan on its block's reference by what does not grow (docs/seasons.md, "Alignment").
+/// pipeline: lays a scan on its block's reference by what does not grow (docs/seasons.md, "Alignment").
 namespace rayfield::align {
 
 /// Another place for the scan that was weighed.
