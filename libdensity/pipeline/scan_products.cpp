@@ -132,7 +132,8 @@ Result<ScanMaps> make_maps(ScanWork& work, const RowLayout& layout, const Survey
   const std::filesystem::path folder = work.files.scratch_folder();
   RAYFIELD_ASSIGN(PlanRaster plan, PlanRaster::create(frame, voxels.row_segments.row_segments, work.options.plan,
                                                       work.memory.maps_bytes, folder));
-  ScanMaps maps{{}, SectionValues(folder), std::move(plan)};
+  SectionValues sections(folder);
+  ScanMaps maps{{}, std::move(sections), std::move(plan)};
   RAYFIELD_CHECK(integrate_rows(work, layout, voxels, maps));
   RAYFIELD_CHECK(mark_lanes(layout, surveyed.survey, work.tile_size_m(), frame.cell_m, maps.plan));
   return maps;

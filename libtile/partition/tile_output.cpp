@@ -31,7 +31,7 @@ Result<std::optional<std::uint32_t>> TileOutput::put(std::uint32_t tile, TileInd
   if (state.chunks.size() <= chunk) state.chunks.resize(chunk + 1);
   state.chunks[chunk] = StoredChunk{std::move(encoded), spilled, true};
   state.summary.add(summary);
-  const std::uint32_t part = chunk / kChunksPerPart;
+  const std::uint32_t part = chunk / static_cast<std::uint32_t>(kChunksPerPart);
   const std::size_t first = std::size_t{part} * kChunksPerPart;
   if (state.chunks.size() < first + kChunksPerPart) return std::nullopt;
   const auto begin = state.chunks.begin() + static_cast<std::ptrdiff_t>(first);
