@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "tests/core/options/option_members.h"
+
 namespace rayfield {
 namespace {
 

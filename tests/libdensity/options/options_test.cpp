@@ -4,8 +4,11 @@
 
 #include <array>
 
+#include "rayfield/density/comparison.h"
 #include "rayfield/density/findings.h"
 #include "rayfield/density/missing_rays.h"
+#include "rayfield/density/zones.h"
+#include "tests/core/options/option_members.h"
 
 namespace rayfield::density {
 namespace {
@@ -15,7 +18,7 @@ class EveryOptionOf : public ::testing::Test {};
 using AllOptions = ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions,
                                     PostOptions, RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles,
                                     VoxelOptions, EstimatorOptions, IntegrationOptions, PlanRasterOptions, LeafOptions,
-                                    DescriptorOptions, MissingRayOptions, GapOptions>;
+                                    DescriptorOptions, MissingRayOptions, GapOptions, ComparisonOptions, ZoneOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {

@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "tests/core/options/option_members.h"
+
 namespace rayfield::slam {
 namespace {
 

@@ -29,7 +29,7 @@
 ///   };
 ///
 /// Validation, cache keys, configuration files and the documentation (docs/options.md) all go through it. Units stand
-/// in the keys. A test holds the number of fields against the number of members (aggregate_size()).
+/// in the keys. Tests compare the number of fields with the number of members, so that none is left out.
 namespace rayfield {
 
 /// Valid values, both bounds included; NaN never is.
@@ -218,43 +218,6 @@ class Setter : public GroupedVisitor {
   const OptionValue& value_;
 };
 
-// Counts the members that a struct names, a group as one.
-struct Counter {
-  std::size_t count = 0;
-  void number(std::string_view, double, const OptionRange&, std::string_view) { ++count; }
-  void integer(std::string_view, int, const OptionRange&, std::string_view) { ++count; }
-  void optional_number(std::string_view, const std::optional<double>&, const OptionRange&, std::string_view) {
-    ++count;
-  }
-  void numbers(std::string_view, const std::vector<double>&, const OptionRange&, std::size_t, std::string_view) {
-    ++count;
-  }
-  void flag(std::string_view, bool, std::string_view) { ++count; }
-  void text(std::string_view, const std::string&, std::string_view) { ++count; }
-  template <class E, std::size_t N>
-  void choice(std::string_view, const E&, const OptionChoices<E, N>&, std::string_view) {
-    ++count;
-  }
-  template <class Options>
-  void group(std::string_view, const Options&) {
-    ++count;
-  }
-};
-
-// Stands for a member of any type in the braces of an aggregate.
-struct AnyMember {
-  template <class T>
-  operator T() const;
-};
-
-template <class T, class... Members>
-constexpr std::size_t aggregate_size_from() {
-  if constexpr (requires { T{Members{}..., AnyMember{}}; })
-    return aggregate_size_from<T, Members..., AnyMember>();
-  else
-    return sizeof...(Members);
-}
-
 tl::unexpected<Error> unknown_option(std::string_view what, std::string_view key);
 
 }  // namespace option_fields
@@ -293,19 +256,6 @@ Result<void> set_option(Options& options, std::string_view key, const OptionValu
   if (!setter.found) return option_fields::unknown_option(what, key);
   if (!setter.why.empty()) return fail(ErrorCode::usage, what, key, setter.why, "see docs/options.md");
   return {};
-}
-
-/// Fields that a struct names in visit_fields(), and the members it has: equal, or one was left out.
-template <class Options>
-std::size_t option_count() {
-  option_fields::Counter counter;
-  const Options options{};
-  Options::visit_fields(options, counter);
-  return counter.count;
-}
-template <class Aggregate>
-constexpr std::size_t aggregate_size() {
-  return option_fields::aggregate_size_from<Aggregate>();
 }
 
 }  // namespace rayfield
