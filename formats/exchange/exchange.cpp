@@ -173,10 +173,6 @@ Result<void> write_panels(const BlockProducts& block, std::size_t scan_index, Pa
   });
 }
 
-Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path) {
-  return write_panels(block, scan_index, PanelFormat::geojson, path);
-}
-
 Result<void> write_panels_shapefile(const BlockProducts& block, std::size_t scan_index, const FarmProfile& profile,
                                     const std::string& path) {
   return guarded(kShapefileWhat, path, [&]() -> Result<void> {

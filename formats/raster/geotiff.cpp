@@ -217,29 +217,6 @@ Result<void> write_raster(const RasterLayout& layout, const RowReader& read, con
   return publish_all(job, file, written.statistics);
 }
 
-Result<void> write_grid(const RasterLayout& layout, const Grid2<float>& grid, const std::string& crs,
-                        const std::string& path, const GeoTiffOptions& options) {
-  const auto width = static_cast<std::size_t>(std::max(layout.nx, 0));
-  if (grid.values.size() != width * static_cast<std::size_t>(std::max(layout.ny, 0))) {
-    return fail(ErrorCode::internal, kWhat, path, "the grid's size and its number of values disagree");
-  }
-  const RowReader rows = [&grid, width](int iy_begin, int count, std::span<float> values) -> Result<void> {
-    const auto first = grid.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(iy_begin) * width);
-    std::copy_n(first, static_cast<std::size_t>(count) * width, values.begin());
-    return {};
-  };
-  return write_cog(layout, rows, crs, path, options);
-}
-
-/// ISO 19162 text of the frame a section is drawn in.
-std::string section_crs(const SectionProduct& section) {
-  return fmt::format(
-      "ENGCRS[\"rayfield section {}\",EDATUM[\"row {}: start of the section, ground under the canopy\"],"
-      "CS[Cartesian,2],AXIS[\"distance (x)\",unspecified,ORDER[1]],AXIS[\"height above ground (y)\",unspecified,"
-      "ORDER[2]],LENGTHUNIT[\"metre\",1]]",
-      section.name, section.row_number);
-}
-
 }  // namespace
 
 Result<void> GeoTiffOptions::validate() const {
@@ -268,8 +245,16 @@ Result<void> write_cog(const RasterLayout& layout, const RowReader& read, const 
 Result<void> write_cog(const RasterProduct& raster, const std::string& crs, const std::string& path,
                        const GeoTiffOptions& options) {
   const Grid2<float>& grid = raster.grid;
-  return write_grid({raster.name, raster.unit, raster.description, grid.origin, grid.cell_m, grid.nx, grid.ny}, grid,
-                    crs, path, options);
+  const auto width = static_cast<std::size_t>(std::max(grid.nx, 0));
+  if (grid.values.size() != width * static_cast<std::size_t>(std::max(grid.ny, 0)))
+    return fail(ErrorCode::internal, kWhat, path, "the grid's size and its number of values disagree");
+  const RowReader rows = [&grid, width](int iy_begin, int count, std::span<float> values) -> Result<void> {
+    const auto first = grid.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(iy_begin) * width);
+    std::copy_n(first, static_cast<std::size_t>(count) * width, values.begin());
+    return {};
+  };
+  return write_cog({raster.name, raster.unit, raster.description, grid.origin, grid.cell_m, grid.nx, grid.ny}, rows,
+                   crs, path, options);
 }
 
 Result<void> write_raster_style(const ColorScale& scale, const std::string& unit, const std::string& path) {
@@ -278,13 +263,6 @@ Result<void> write_raster_style(const ColorScale& scale, const std::string& unit
     RAYFIELD_CHECK(GeoTiffOptions{.scale = scale}.validate());
     return write_file_atomically(path, qml::document(qml::raster_style(scale, unit)), kStyleWhat);
   });
-}
-
-Result<void> write_section_cog(const SectionProduct& section, const std::string& path, const GeoTiffOptions& options) {
-  const Grid2<float>& grid = section.grid;
-  const std::string description = fmt::format("vertical section of row {}", section.row_number);
-  return write_grid({section.name, section.unit, description, grid.origin, grid.cell_m, grid.nx, grid.ny}, grid,
-                    section_crs(section), path, options);
 }
 
 }  // namespace rayfield::formats

@@ -41,12 +41,6 @@ Result<BlockLayout> current_layout(const tile::Store& store, const tile::Snapsho
   return layout;
 }
 
-bool stands_on(const Identity& identity, const std::string& date) {
-  if (date.empty()) return identity.valid_to.empty();
-  return (identity.valid_from.empty() || identity.valid_from <= date) &&
-         (identity.valid_to.empty() || date < identity.valid_to);
-}
-
 Result<void> check_name(const std::string& name, bool names_files) {
   const bool plain = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
   const bool good = plain && name.size() <= kLongestName &&
@@ -209,29 +203,6 @@ Result<void> check_shown(const RowLayout& known, const Import& import, const std
 }
 
 }  // namespace
-
-Result<BlockReference> read_reference(const tile::Store& store, const tile::Snapshot& snapshot,
-                                      const std::string& date) {
-  RAYFIELD_ASSIGN(const BlockLayout block, current_layout(store, snapshot));
-  BlockReference reference;
-  reference.known = block.known;
-  std::set<int> numbers;
-  for (const Row& row : block.layout.rows) {
-    if (!stands_on(row.identity, date)) continue;
-    numbers.insert(row.number);
-    reference.rows.push_back({row.number, row.centreline});
-    reference.surveyed = reference.surveyed || row.identity.source == "surveyed";
-  }
-  for (const Post& post : block.layout.posts) {
-    if (numbers.count(post.row) == 0 || !stands_on(post.identity, date)) continue;
-    reference.posts.push_back({post.row, post.position, post.lean, post.radius_m, post.height_m, post.detected,
-                               post.identity.source == "surveyed"});
-  }
-  for (const Trunk& trunk : block.layout.trunks)
-    if (numbers.count(trunk.row) > 0)
-      reference.trunks.push_back({trunk.row, trunk.position, trunk.radius_m, trunk.top_m});
-  return reference;
-}
 
 Result<BlockNames> read_names(const tile::Store& store, const tile::Snapshot& snapshot) {
   RAYFIELD_ASSIGN(StoredNames names, read_stored_names(store, snapshot));

@@ -71,7 +71,6 @@ struct RowSegmentVoxels {
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
   std::vector<EchoCounters> echoes;    ///< likewise, empty for thin beams
 
-  std::size_t column_count() const { return entries.size(); }
   /// The column's voxels from below, or an empty span where another tile has them.
   std::span<const VoxelCounters> column_voxels(int along, int across) const { return column_of(voxels, along, across); }
   std::span<const EchoCounters> column_echoes(int along, int across) const { return column_of(echoes, along, across); }

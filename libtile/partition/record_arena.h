@@ -24,7 +24,6 @@ class RecordArena {
   RecordArena& operator=(RecordArena&&) = delete;
   ~RecordArena();
 
-  std::size_t block_count() const { return block_count_; }
   std::size_t free_blocks() const;
   /// The caller has made sure that a block is free.
   Block take();

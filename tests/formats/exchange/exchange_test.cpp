@@ -34,7 +34,7 @@ TEST(GeoJson, PanelsLieWhereTheyShouldInLongitudeAndLatitude) {
   std::reverse(block.panels[1].outline.begin(), block.panels[1].outline.end());  // clockwise: must be turned
   block.scans[1].panel_values[0].lai = kNan;
   block.scans[1].panel_values.pop_back();
-  const auto written = write_panels_geojson(block, 1, folder / "a.geojson");
+  const auto written = write_panels(block, 1, PanelFormat::geojson, folder / "a.geojson");
   ASSERT_TRUE(written) << message(written);
   const testing::Dataset dataset = open(folder / "a.geojson");
   ASSERT_NE(dataset, nullptr);
@@ -71,7 +71,7 @@ TEST(GeoJson, ValuesAndAwkwardTextComeBack) {
   block.panels[0].panel_uid = uid;
   block.scans[0].panel_values[0].panel_uid = uid;
   block.scans[0].panel_values[0].leaf_area_m2 = 0.1 + 0.2;
-  ASSERT_TRUE(write_panels_geojson(block, 0, folder / "a.geojson"));
+  ASSERT_TRUE(write_panels(block, 0, PanelFormat::geojson, folder / "a.geojson"));
   const testing::Dataset dataset = open(folder / "a.geojson");
   ASSERT_NE(dataset, nullptr);
   dataset->GetLayer(0)->ResetReading();
@@ -85,7 +85,7 @@ TEST(GeoJson, ValuesAndAwkwardTextComeBack) {
 
 TEST(GeoJson, AScanThatDoesNotExistIsAUsageError) {
   const TemporaryFolder folder;
-  const auto written = write_panels_geojson(make_block(1, 1, {"2019-02-11"}), 1, folder / "a.geojson");
+  const auto written = write_panels(make_block(1, 1, {"2019-02-11"}), 1, PanelFormat::geojson, folder / "a.geojson");
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::usage);
   EXPECT_TRUE(folder.names().empty());

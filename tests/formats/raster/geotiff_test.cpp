@@ -331,20 +331,5 @@ TEST(GeoTiff, ThePlainProfileIsUncompressedAndWithoutOverviews) {
   for (std::size_t i = 0; i < values.size(); ++i) ASSERT_TRUE(same(values[i], raster.grid.values[i]));
 }
 
-TEST(GeoTiff, ASectionLiesInALocalFrameInMetres) {
-  const TemporaryFolder folder;
-  SectionProduct section{"side_view_row_3", "m2/m2", 3, Grid2<float>({0, 0.3}, 0.12, 600, 20)};
-  for (std::size_t i = 0; i < section.grid.values.size(); ++i) section.grid.values[i] = static_cast<float>(i);
-  const auto written = write_section_cog(section, folder / "s.tif");
-  ASSERT_TRUE(written) << message(written);
-  expect_valid_cog(folder / "s.tif");
-  const testing::Dataset dataset = open(folder / "s.tif");
-  const OGRSpatialReference* crs = dataset->GetSpatialRef();
-  ASSERT_NE(crs, nullptr);
-  EXPECT_TRUE(crs->IsLocal());
-  EXPECT_EQ(crs->GetLinearUnits(), 1.0);
-  EXPECT_EQ(read_northwards(*dataset->GetRasterBand(1)), section.grid.values);
-}
-
 }  // namespace
 }  // namespace rayfield::formats

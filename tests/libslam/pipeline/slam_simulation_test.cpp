@@ -4,6 +4,7 @@
 #include "rayfield/sim/sim.h"
 #include "rayfield/slam/slam.h"
 #include "tests/libslam/trajectory_errors.h"
+#include "tests/sim/without_errors.h"
 
 // Drives that go wrong in one way each, simulated; the goals hold by half as much again.
 namespace rayfield::slam {

@@ -4,6 +4,7 @@
 #include "rayfield/core/map_frame.h"
 #include "sim/drive/true_trajectory.h"
 #include "tests/sim/recorded_drive.h"
+#include "tests/sim/without_errors.h"
 
 namespace rayfield::sim {
 namespace {

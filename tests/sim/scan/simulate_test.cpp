@@ -6,6 +6,7 @@
 #include "sim/drive/true_trajectory.h"
 #include "sim/terrain/terrain.h"
 #include "tests/sim/recorded_drive.h"
+#include "tests/sim/without_errors.h"
 
 namespace rayfield::sim {
 namespace {

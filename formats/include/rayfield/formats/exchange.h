@@ -19,15 +19,12 @@ enum class PanelFormat { geojson, kml, flatgeobuf, geoparquet };
 /// Errors: usage, where the GDAL that rayfield runs with cannot write it.
 Result<void> check_panel_format(PanelFormat format, const std::string& path);
 
-/// The panels of one scan. A panel without a value on that scan has only its own columns.
+/// The panels of one scan. A panel without a value on that scan has only its own columns. GeoJSON follows RFC 7946: 9
+/// decimals, outer rings counter-clockwise, NaN as null, and the member `snapshot`.
 /// Errors: usage (CRS, `scan_index` beyond the scans, GDAL without the driver), internal (coordinates), resources,
 /// bad_input (no such folder).
 Result<void> write_panels(const BlockProducts& block, std::size_t scan_index, PanelFormat format,
                           const std::string& path);
-
-/// The panels of one scan as RFC 7946 GeoJSON: 9 decimals, outer rings counter-clockwise, NaN as null, and the member
-/// `snapshot`. Errors: as write_panels().
-Result<void> write_panels_geojson(const BlockProducts& block, std::size_t scan_index, const std::string& path);
 
 /// The panels of one scan as zipped shapefile after the rules of a farm system, columns with their short names.
 /// Errors: as write_panels(); usage where the system does not take so many panels.

@@ -75,8 +75,4 @@ Result<void> write_cog(const RasterProduct& raster, const std::string& crs, cons
 /// range), resources, bad_input (no such folder).
 Result<void> write_raster_style(const ColorScale& scale, const std::string& unit, const std::string& path);
 
-/// A vertical section in a local engineering CRS: x along (or across) the row, y height above ground, m.
-Result<void> write_section_cog(const SectionProduct& section, const std::string& path,
-                               const GeoTiffOptions& options = {});
-
 }  // namespace rayfield::formats

@@ -14,36 +14,6 @@
 /// The registry of a block: rows, panels and posts with what they are called (docs/registry.md).
 namespace rayfield::density {
 
-/// What a scan is aligned to: what stands in the block and does not grow, surveyed or found. Map coordinates, m.
-struct ReferenceRow {
-  int number = 0;                           ///< the registry's own, as in posts and trunks below
-  std::vector<Eigen::Vector2d> centreline;  ///< from the row's first end to its last
-};
-struct ReferencePost {
-  int row = 0;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the axis at the ground
-  Eigen::Vector2d lean = Eigen::Vector2d::Zero();      ///< horizontal shift per metre of height
-  double radius_m = 0, height_m = 0;
-  bool detected = false;  ///< a scan has shown it
-  bool surveyed = false;  ///< a survey has it
-};
-struct ReferenceTrunk {
-  int row = 0;
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  double radius_m = 0, top_m = 0;
-};
-struct BlockReference {
-  bool known = false;     ///< false: the store has neither a survey nor a processed scan
-  bool surveyed = false;  ///< rows come from a survey
-  std::vector<ReferenceRow> rows;
-  std::vector<ReferencePost> posts;
-  std::vector<ReferenceTrunk> trunks;
-};
-
-/// The reference as it stands on a date (YYYY-MM-DD; empty: everything that is not gone). Errors: damaged.
-Result<BlockReference> read_reference(const tile::Store& store, const tile::Snapshot& snapshot,
-                                      const std::string& date = {});
-
 /// What the user calls the block. Without a name of its own it goes by the store's folder.
 struct BlockNames {
   std::string block, farm, variety;

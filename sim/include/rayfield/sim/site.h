@@ -263,8 +263,4 @@ struct Site {
 /// GDA2020 / MGA zone in Australia, else the WGS 84 / UTM zone (without the exceptions of Norway and Svalbard).
 std::string default_crs(double latitude_deg, double longitude_deg);
 
-/// The site with every sensor error switched off: range, encoder, IMU and GPS noise and biases, drop-outs,
-/// disturbances, outages and time errors. Drive and scene stay.
-Site without_errors(Site site);
-
 }  // namespace rayfield::sim
