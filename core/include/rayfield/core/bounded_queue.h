@@ -18,7 +18,7 @@ class BoundedQueue {
   /// At most `capacity` items wait.
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Waits for room. False once nobody will take it.
+  /// Waits for room. False once nobody will take items any more.
   bool push(T&& item) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return items_.size() < capacity_ || abandoned_; });
@@ -26,14 +26,14 @@ class BoundedQueue {
     changed_.notify_all();
     return !abandoned_;
   }
-  /// Nothing more will come, and why.
+  /// Ends the stream, with its result.
   void end(Result<void> result) {
     const std::scoped_lock lock(mutex_);
     result_ = std::move(result);
     changed_.notify_all();
   }
 
-  /// Waits for the next; nothing at the end.
+  /// Waits for the next item; nothing at the end.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !items_.empty() || result_.has_value(); });
@@ -43,7 +43,7 @@ class BoundedQueue {
     changed_.notify_all();
     return item;
   }
-  /// Nobody will take anything more: what is pushed from now on is dropped.
+  /// The consumer has stopped: whatever is pushed from now on is dropped.
   void abandon() {
     const std::scoped_lock lock(mutex_);
     abandoned_ = true;

@@ -12,8 +12,8 @@
 
 /// files: file descriptors that close themselves, whole text files, temporary files for what does not fit in memory.
 ///
-/// POSIX files with every return value checked. `what` opens error messages ("cannot read bag"), paths in them are as
-/// given.
+/// POSIX files with every return value checked. Error messages begin with `what` ("cannot read bag") and name paths as
+/// they were given.
 namespace rayfield {
 
 /// Owns a file descriptor.
@@ -45,14 +45,14 @@ struct InputDescriptor {
 /// Errors: bad_input (missing, not a regular file), resources (no permission).
 Result<InputDescriptor> open_regular_file(const std::string& path, std::string_view what, std::string_view next = {});
 
-/// Fills `bytes` from `offset` and returns how many came; fewer only at the end of the file.
+/// Fills `bytes` from `offset` and returns how many were read; fewer only at the end of the file.
 Result<std::size_t> read_at(const FileDescriptor& file, std::uint64_t offset, std::span<std::byte> bytes,
                             std::string_view what, const std::string& path);
 /// Writes all bytes. Errors: as fail_errno().
 Result<void> write_at(const FileDescriptor& file, std::uint64_t offset, std::span<const std::byte> bytes,
                       std::string_view what, const std::string& path, std::string_view next = {});
 
-/// Makes a file of these bytes, or replaces what was there under that name. Errors: as fail_errno().
+/// Writes these bytes to a file, replacing any file of that name. Errors: as fail_errno().
 Result<void> write_whole_file(const std::string& path, std::span<const std::byte> bytes, std::string_view what,
                               std::string_view next = {});
 
@@ -65,10 +65,10 @@ struct FileDigest {
 Result<FileDigest> digest_file(const std::string& path, std::string_view what,
                                const std::function<bool()>& cancelled = {});
 
-/// Makes what was written to a file durable. Errors: as fail_errno().
+/// Makes a file's content durable. Errors: as fail_errno().
 Result<void> sync_file(const FileDescriptor& file, std::string_view what, const std::string& path,
                        std::string_view next = {});
-/// Makes the names in a folder durable. File systems that cannot sync folders (EINVAL) count as done.
+/// Makes the names in a folder durable. A file system that cannot sync folders (EINVAL) is not an error.
 Result<void> sync_directory(const std::string& folder, std::string_view what, std::string_view next = {});
 
 }  // namespace rayfield

@@ -6,8 +6,8 @@
 namespace rayfield {
 
 /// Shape and index arithmetic of a dense 3-D lattice whose third index runs fastest: (i, j, k) has index
-/// (i·nj + j)·nk + k. A column is all k of one (i, j). Indices are int, as loops and differences want them; products
-/// are taken in std::size_t.
+/// (i·nj + j)·nk + k. A column is all k of one (i, j). Indices are int, which suits loops and differences;
+/// products are taken in std::size_t.
 struct Shape3 {
   int ni = 0, nj = 0, nk = 0;
 

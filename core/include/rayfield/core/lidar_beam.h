@@ -12,10 +12,10 @@ struct LidarBeam {
   double diameter_m = 0;      ///< where it leaves the lidar, up to kWidestBeam_m
   double divergence_rad = 0;  ///< full angle; of an elliptical beam the geometric mean of both
   /// Share of the beam's energy that has to fall on leaves within the range resolution to make a return, up to 1.
-  /// No data sheet tells it: absent, it is not known.
+  /// No data sheet states it. Absent: not known.
   std::optional<double> detection_share;
   /// Surfaces closer together along the beam than this make one echo, up to kCoarsestRange_m. Stated in the rig or
-  /// measured from a drive; absent, it is not known.
+  /// measured from a drive. Absent: not known.
   std::optional<double> range_resolution_m;
 
   double diameter_at(double range_m) const { return diameter_m + divergence_rad * range_m; }

@@ -24,23 +24,23 @@ Result<CrsInfo> lookup_projected_crs(const std::string& code);
 /// Whether two ways to write a CRS mean the same one: "epsg:7854 " and "EPSG:7854".
 bool same_crs(const std::string& a, const std::string& b);
 
-/// Checks what can be checked of a CRS before a place is known. Errors: usage, where its grid metres differ from true
+/// The checks of a CRS that need no place. Errors: usage, where its grid metres differ from true
 /// ones by more than 1 % in most of the area that it is made for (web Mercator); as lookup_projected_crs().
 Result<void> check_crs_scale(const std::string& code);
 
 /// The UTM zone of a place on WGS 84, e.g. "EPSG:32632"; empty beyond 84° N and 80° S, where UTM ends.
 std::string utm_code(double latitude_deg, double longitude_deg);
 
-/// Checks that a CRS is made for a place: areas on the map would be wrong where its grid metres differ from true ones
-/// (web Mercator), and a transverse Mercator used on the far side of the Earth stands upside down.
+/// Checks that a CRS suits a place: areas on the map would be wrong where its grid metres differ from true ones (web
+/// Mercator), and a transverse Mercator used on the far side of the Earth is upside down.
 /// `latitude_longitude_height` as in MapFrame. Errors: usage, where the scale is off by more than 1 %, grid north by
 /// more than 60°, or the place has no coordinates; names the UTM zone that fits.
 Result<void> check_crs_suits(const std::string& code, const Eigen::Vector3d& latitude_longitude_height);
 
-/// The same for a place on the map, as the rays of a cloud have it: they may be in degrees, feet or another CRS.
-/// A warning where the place lies outside of the area that the CRS is made for, as that of a neighbouring UTM zone.
-/// Errors: usage, as check_crs_suits(), and where the place lies more than 10° outside, or
-/// outside and within 1 km of the grid's origin.
+/// The same for map coordinates, such as those of a cloud's rays, which may be in degrees, feet or another CRS.
+/// Returns a warning where the place lies outside the area of use of the CRS, for example in a neighbouring UTM zone.
+/// Errors: usage, as check_crs_suits(), and where the place lies more than 10° outside, or outside and within 1 km of
+/// the grid's origin.
 Result<std::optional<std::string>> check_map_place(const std::string& code, const Eigen::Vector3d& p_in_map);
 
 /// A projected CRS tied to the geographic datum under it and to a local tangent plane.

@@ -15,8 +15,8 @@
 
 /// options: the options of an algorithm, written once for checks, settings, keys and documentation.
 ///
-/// Options are written once. A struct of options gives its members' defaults, and one function template beside them
-/// that names every member with its valid range and meaning:
+/// Options are written once. A struct of options gives its members' defaults and, in one function template, the valid
+/// range and meaning of every member:
 ///
 ///   struct SurveyOptions {
 ///     double ground_cell_m = 0.25;
@@ -222,7 +222,7 @@ tl::unexpected<Error> unknown_option(std::string_view what, std::string_view key
 
 }  // namespace option_fields
 
-/// Errors: usage, `what` with the key of the first value out of its range.
+/// Errors: usage, with the key of the first value that is out of range.
 template <class Options>
 Result<void> check_option_ranges(const Options& options, std::string_view what) {
   option_fields::RangeChecker checker;
@@ -247,8 +247,8 @@ std::vector<OptionDescription> describe_options(const Options& options = {}) {
   return std::move(describer.fields);
 }
 
-/// Sets the option of that (dotted) key. Errors: usage, when there is none, or the value is of another kind or out of
-/// range.
+/// Sets the option with that (dotted) key. Errors: usage, if there is none, or if the value has the wrong type or is
+/// out of range.
 template <class Options>
 Result<void> set_option(Options& options, std::string_view key, const OptionValue& value, std::string_view what) {
   option_fields::Setter setter(key, value);

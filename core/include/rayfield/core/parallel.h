@@ -7,8 +7,8 @@
 
 /// parallel: work on several threads with results that do not depend on their number.
 ///
-/// Parallel work on OpenMP. OpenMP itself shows in no other file: its threads are had through these functions, which
-/// keep order, errors and results independent of their number. Inside a task they run in the calling thread.
+/// Parallel work on OpenMP, which no other file uses directly: with these functions, order, errors and results do not
+/// depend on the number of threads. Called from inside a task they run in the calling thread.
 namespace rayfield {
 
 /// `requested` if positive, else the number of processors this process may use.
@@ -24,8 +24,8 @@ Result<void> parallel_for(std::size_t count, int threads,
 /// The same for tasks that have no errors of their own. Throws what a task throws.
 void parallel_each(std::size_t count, int threads, const std::function<void(std::size_t index, int worker)>& task);
 
-/// Calls work(worker) once in each of up to `threads` workers, for work that shares itself out; returns when all have
-/// returned. There may be fewer workers than asked for. Throws what one of them throws.
+/// Calls work(worker) once in each of up to `threads` workers, which divide the work among themselves, and waits for
+/// all of them. There may be fewer workers than requested. Throws what one of them throws.
 void parallel_team(int threads, const std::function<void(int worker)>& work);
 
 /// Ordered reduction: produce(i, worker) runs in parallel, consume(i) is called for i = 0, 1, 2 … in that order, one

@@ -14,7 +14,7 @@
 namespace rayfield {
 
 /// A row of vines. Row numbers are the farm's own, or count from 1 across the block; panel numbers from 1 along the
-/// row. Dates `valid_from` and `valid_to` (the first on which it is gone) are YYYY-MM-DD; empty = no bound known.
+/// row. Dates `valid_from` and `valid_to` (the first day on which it is gone) are YYYY-MM-DD; empty = unknown.
 struct RowProduct {
   std::string row_uid;
   int row_number = 0;
@@ -41,13 +41,13 @@ struct PostProduct {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double ground_m = 0;   ///< height of the ground at the post
   double height_m = 0;   ///< above the ground
-  bool detected = true;  ///< false: placed where the regular spacing or the survey wants one, not yet seen in a scan
+  bool detected = true;  ///< false: expected from the regular spacing or the survey, but not yet seen in a scan
   std::string row_name = {}, valid_from = {}, valid_to = {}, source = {};
 };
 
-/// How dense, how open and how whole the canopy of a stretch of row is (docs/descriptors.md). What lines across the row
-/// meet is averaged over the canopy's outline seen from the side: half metres that are no gaps, each between its own
-/// lower and upper edge. NaN = not scanned, or undefined where there is no canopy.
+/// How dense, open and continuous the canopy of a stretch of row is (docs/descriptors.md). Values along lines across
+/// the row are averaged over the canopy's outline seen from the side: all half metres that are not gaps, each between
+/// its own lower and upper edge. NaN = not scanned, or undefined because there is no canopy.
 struct CanopyDescriptors {
   static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
   double canopy_base_m = kUndefined;          ///< lower edge of the canopy above the ground
@@ -70,9 +70,9 @@ struct ScanProduct {
   double yaw_mrad = 0;                                    ///< from east to north
   double residual_m = 0;                                  ///< of posts and trunks in plan, rms
   int landmarks = 0;                                      ///< matched posts and trunks
-  bool aligned = true;                                    ///< false: it lies where its positioning put it
+  bool aligned = true;                                    ///< false: left where its own positioning put it
   std::string wood_scan_id;  ///< dormant scan whose wood was subtracted for the leaf areas; empty: none
-  std::string leaf_note;     ///< what the leaf areas hold where that is not leaves alone
+  std::string leaf_note;     ///< what the leaf areas include where it is not leaves alone
   double fruit_zone_low_m = CanopyDescriptors::kUndefined;  ///< heights between which the fruit zone was taken
   double fruit_zone_high_m = CanopyDescriptors::kUndefined;
 };
@@ -93,7 +93,7 @@ struct PanelValue {
   double observed_fraction = 0;  ///< share of voxels crossed by at least two rays
   std::int64_t ray_count = 0;
   double se_plant_area_m2 = 0;
-  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: leaf_area_m2 holds canes and wires
+  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: leaf_area_m2 includes canes and wires
   CanopyDescriptors descriptors = {};
 };
 
@@ -141,11 +141,11 @@ struct ScanResults {
   std::vector<PanelProfileBand> profile = {};  ///< panel by panel, from below
 };
 
-/// A block with all its dates (rasters travel apart: they are large).
+/// A block with all its dates. Rasters are not in it: they are large.
 struct BlockProducts {
   std::string block;           ///< its name: the store's folder's, or the one it was given
   std::string crs;             ///< "EPSG:7854"
-  std::uint64_t snapshot = 0;  ///< number of the store's snapshot that the products are of; 0: of no store
+  std::uint64_t snapshot = 0;  ///< the store's snapshot that the products come from; 0: not from a store
   std::vector<RowProduct> rows;
   std::vector<PanelProduct> panels;
   std::vector<PostProduct> posts;

@@ -8,7 +8,7 @@ namespace rayfield {
 
 /// A batch of lidar rays in map coordinates (projected CRS: easting, northing, height; metres), stored by column.
 /// method: a ray = (origin, end, time, intensity, hit flag). Rays that hit nothing end at the sensor's maximum range
-/// and have hit == 0: they say that the space is free, and nothing about what lies beyond.
+/// and have hit == 0: the space up to there is free, and nothing is known of what lies beyond.
 struct RayBatch {
   std::vector<Eigen::Vector3d> origin;   ///< sensor position when the ray was sent, m
   std::vector<Eigen::Vector3d> end;      ///< where the ray ended, m

@@ -16,13 +16,13 @@ class RaySource {
  public:
   virtual ~RaySource() = default;
 
-  /// Replaces the content of `batch` by up to `max_rays` next rays; 0 means the end of the stream.
+  /// Replaces the content of `batch` by the next rays, at most `max_rays`; 0 means the end of the stream.
   virtual Result<std::size_t> read(RayBatch& batch, std::size_t max_rays) = 0;
 
-  /// Back to the first ray. A source that cannot be read twice answers false and stays where it is.
+  /// Goes back to the first ray. A source that cannot be read twice returns false and stays where it is.
   virtual Result<bool> rewind() = 0;
 
-  /// Rays in the whole stream, where the source knows it beforehand.
+  /// Number of rays in the whole stream, if known in advance.
   virtual std::optional<std::uint64_t> ray_count() const { return std::nullopt; }
 
   /// Path or name for messages and provenance.

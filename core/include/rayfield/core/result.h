@@ -36,8 +36,8 @@ using Result = tl::expected<T, Error>;
 tl::unexpected<Error> fail(ErrorCode code, std::string_view what, std::string_view where, std::string_view why,
                            std::string_view next = {});
 
-/// The failure of a system call: space, permission, memory, a disk that answers EIO or is gone become `resources`, the
-/// rest `bad_input`. The one reading of `errno` there is.
+/// The failure of a system call: no space, no permission, no memory, EIO or a lost disk become `resources`, everything
+/// else `bad_input`. This is the only place where `errno` is interpreted.
 tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::string_view where,
                                  std::string_view next = {});
 

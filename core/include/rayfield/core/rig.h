@@ -9,7 +9,7 @@
 
 namespace rayfield {
 
-/// What a lidar writes when nothing came back.
+/// What a lidar writes for a beam without a return.
 enum class NoReturn { infinity, zero, max_range };
 
 /// The sensors of a vehicle and how they are mounted (the rig file of docs/rig.md).

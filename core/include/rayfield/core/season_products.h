@@ -12,9 +12,9 @@
 /// one-sided; NaN = not scanned on one of the dates.
 namespace rayfield {
 
-/// Whether a panel's change is more than its errors explain, at 95 %.
+/// Whether a panel's change is larger than its errors explain, at 95 %.
 enum class ChangeVerdict {
-  not_seen,  ///< on one of the dates; no change can be told
+  not_seen,  ///< on one of the dates, so that no change is known
   none,      ///< the interval of the change holds 0
   gain,
   loss

@@ -42,7 +42,7 @@ struct LidarScan {
   std::vector<float> intensity;      ///< empty where the log has none
 };
 
-/// Where a reader of logs delivers messages, in the order of the log.
+/// Receives the messages of a log, in the order of the log.
 class SensorSink {
  public:
   virtual ~SensorSink() = default;

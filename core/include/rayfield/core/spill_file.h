@@ -12,8 +12,8 @@
 
 namespace rayfield {
 
-/// Bytes put aside on the disk while a command runs: a file that has no name any more, so that whatever ends the
-/// process also frees the space. Thread-safe but for clear(). Errors: resources, with the directory and what to do.
+/// Temporary data on disk while a command runs. The file has no name any more, so that its space is freed however the
+/// process ends. Thread-safe except for clear(). Errors: resources, with the directory and what to do.
 class SpillFile {
  public:
   struct Extent {
@@ -26,7 +26,7 @@ class SpillFile {
   SpillFile& operator=(const SpillFile&) = delete;
 
   Result<Extent> append(std::span<const std::byte> bytes);
-  /// Replaces what an extent holds. `bytes` has its size.
+  /// Replaces the content of an extent. `bytes` has its size.
   Result<void> overwrite(const Extent& extent, std::span<const std::byte> bytes);
   /// Reads an extent. `bytes` has its size.
   Result<void> read(const Extent& extent, std::span<std::byte> bytes) const;

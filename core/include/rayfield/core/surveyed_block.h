@@ -15,7 +15,7 @@ struct SurveyedRow {
   std::vector<Eigen::Vector2d> line;
 };
 
-/// A post as surveyed, with the row that it says it belongs to.
+/// A post as surveyed, with the row that the survey assigns it to.
 struct SurveyedPost {
   std::optional<int> row_number;
   std::string row_name;

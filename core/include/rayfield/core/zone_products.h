@@ -7,7 +7,7 @@
 
 #include "rayfield/core/products.h"
 
-/// Management zones of a block, as plain values: told apart by libdensity, drawn and written by formats. Map
+/// Management zones of a block, as plain values: computed by libdensity, drawn and written by formats. Map
 /// coordinates are easting and northing in the store's CRS, m.
 namespace rayfield {
 
@@ -17,15 +17,15 @@ struct ZonePart {
   std::vector<std::vector<Eigen::Vector2d>> holes;
 };
 
-/// The part of a block whose smoothed values lie in one class. Zones of a block touch, and do not overlap.
+/// The part of a block whose smoothed values fall into one class. Zones of a block share borders and do not overlap.
 struct ManagementZone {
-  int zone = 0;              ///< from 1 without gaps, the lowest values first
+  int zone = 0;              ///< 1, 2, 3 …, the lowest values first
   double low = 0, high = 0;  ///< bounds of the class; −∞ and ∞ at both ends
   std::vector<ZonePart> parts;
   double area_m2 = 0;
   // Of the values as measured, not smoothed; NaN where the zone holds none.
   double mean = 0, min = 0, max = 0;
-  double measured = 0;  ///< what the mean is over: metres of row, or m² of ground
+  double measured = 0;  ///< what the mean is taken over: metres of row, or m² of ground
 };
 
 struct ZoneMap {

@@ -22,8 +22,8 @@ Result<void> write_scatter_chart(const DateComparison& comparison, const std::st
                                  const PictureOptions& options = {});
 
 /// Leaf area per metre of row through the season: the block, then each row of `rows`, with 95 % intervals; thin lines
-/// are the row's panels. All on one scale. `values`: of these rows and of the block (row 0). Errors: usage (options, no
-/// values, a date that is none), otherwise as above.
+/// are the row's panels. All share one scale. `values`: of these rows and of the block (row 0). Errors: usage (options,
+/// no values, a date that is none), otherwise as above.
 Result<void> write_season_chart(const BlockProducts& block, std::span<const SeasonValue> values,
                                 std::span<const int> rows, const std::string& path, const PictureOptions& options = {});
 

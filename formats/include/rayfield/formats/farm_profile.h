@@ -14,13 +14,13 @@ struct FarmProfile {
   bool projection_files = true;   ///< with .prj and .cpg beside .shp, .shx and .dbf
   bool field_dictionary = false;  ///< with a text file that says what the columns mean
   bool numbers_only = false;      ///< columns of text and dates are left out
-  std::size_t most_columns = 0;   ///< that the system takes, the others are left out; 0: as many as there are
-  std::size_t most_features = 0;  ///< with more it is refused; 0: as many as there are
+  std::size_t most_columns = 0;   ///< the rest is left out; 0: no limit
+  std::size_t most_features = 0;  ///< a block with more is refused; 0: no limit
 };
 
-/// All that are known, the plain one first.
+/// All known profiles, the plain one first.
 std::span<const FarmProfile> farm_profiles();
-/// The one of that name; null where there is none.
+/// The profile of that name, or null.
 const FarmProfile* find_farm_profile(std::string_view name);
 
 }  // namespace rayfield::formats

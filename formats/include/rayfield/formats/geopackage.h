@@ -34,21 +34,21 @@ struct GeoPackageOptions {
 ///   qgis_projects                             the project, if asked for
 /// with spatial indices. NaN becomes NULL. Equal input gives equal bytes: the time of change recorded in the file is
 /// the end of the block's last scan. The file appears whole or not at all; it is checked (integrity, number of rows)
-/// before it is renamed into place. Errors: usage (CRS, a date that is none), internal (coordinates that are not
+/// before it is renamed into place. Errors: usage (CRS, an invalid date), internal (coordinates that are not
 /// finite, two panels with one UUID, GDAL), resources (disk, memory, permission), bad_input (no such folder).
 Result<void> write_geopackage(const BlockProducts& block, const std::string& path,
                               const GeoPackageOptions& options = {});
 
-/// What a GeoPackage that is there holds.
+/// What an existing GeoPackage holds.
 struct ExistingGeoPackage {
   std::vector<std::string> scan_ids;  ///< in the order of their dates
-  bool has_additions = false;  ///< tables, views, layer styles or projects of users, which carry_over() takes along
-  /// What it does not, in words: columns that users added to rayfield's tables; the whole of a file that is no
-  /// GeoPackage of rayfield's. Values that were changed in rayfield's own tables are not noticed.
+  bool has_additions = false;         ///< tables, views, layer styles or projects of users, which carry_over() copies
+  /// What carry_over() does not copy, in words: columns that users added to rayfield's tables; a whole file that is not
+  /// a GeoPackage of rayfield's. Values that were changed in rayfield's own tables are not noticed.
   std::vector<std::string> lost;
 };
 
-/// Nothing where there is no such file.
+/// Nothing if there is no such file.
 Result<std::optional<ExistingGeoPackage>> inspect_geopackage(const std::string& path);
 
 /// Errors: usage, where another program has the file open for writing. Its journal lies beside the file then, and

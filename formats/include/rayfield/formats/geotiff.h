@@ -12,7 +12,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/formats/style.h"
 
-/// raster: maps and sections as GeoTIFF.
+/// raster: maps as GeoTIFF.
 ///
 /// Rasters as GeoTIFF: one Float32 band, NaN = not scanned = nodata, unit and description set, statistics inside the
 /// file, a QGIS style beside it. Equal input gives equal bytes. See docs/products.md.
@@ -71,7 +71,7 @@ Result<void> write_cog(const RasterLayout& layout, const RowReader& read, const 
 Result<void> write_cog(const RasterProduct& raster, const std::string& crs, const std::string& path,
                        const GeoTiffOptions& options = {});
 
-/// The QGIS style of a raster alone, for one that stays while its colours change. Errors: usage (a scale without
+/// Only the QGIS style of a raster, for one whose colours change while its values stay. Errors: usage (a scale without
 /// range), resources, bad_input (no such folder).
 Result<void> write_raster_style(const ColorScale& scale, const std::string& unit, const std::string& path);
 

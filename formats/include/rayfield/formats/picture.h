@@ -53,18 +53,18 @@ struct PlanLabel {
 struct PlanKey {  ///< an entry of the legend: a short line in this style (or markers, or a box), and its meaning
   StrokeStyle style;
   std::string text;
-  std::vector<PlanMarker> markers;  ///< where not empty: these upon each other instead of the line
+  std::vector<PlanMarker> markers;  ///< if any: these on top of each other instead of the line
   std::optional<Rgba> fill = {};    ///< a box of this colour with the line around it
 };
-/// The number of a thing in a row of things, beside it. Where there is no room for all, it is shown of every second,
-/// fifth, tenth …; where the lane is too narrow for type, of none.
+/// The number of a thing in a series, drawn beside it. Without room for all, only every second, fifth, tenth … is
+/// shown; none if the lane is too narrow for type.
 struct PlanNumber {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< on the thing's border
   Eigen::Vector2d aside = Eigen::Vector2d::UnitY();    ///< unit vector away from it
   int number = 0;
   double along_m = 0, across_m = 0;  ///< room along the row, and beside it
 };
-/// An area that is shaded: what lies inside an odd number of its rings.
+/// A shaded area: the points inside an odd number of its rings.
 struct PlanArea {
   std::vector<std::vector<Eigen::Vector2d>> rings;
   Rgba fill;

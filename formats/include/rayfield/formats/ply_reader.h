@@ -40,7 +40,7 @@ class PlyReader : public RaySource {
 
   /// The CRS that a `comment crs …` line names, as rayfield writes it; raycloudtools names none.
   std::optional<std::string> crs() const;
-  /// The lidar's beam that a `comment beam …` line tells.
+  /// The lidar's beam from a `comment beam …` line.
   std::optional<LidarBeam> beam() const;
 
  private:

@@ -25,8 +25,8 @@ struct PointCloudOptions {
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< LAS: points are within 200 km of it
 };
 
-/// Writes points as they come: memory does not grow with them. What is not a number is grey. The file appears under its
-/// name only after close(). Equal points give equal bytes.
+/// Writes points as they come: memory does not grow with their number. NaN densities are grey. The file appears under
+/// its name only after close(). Equal points give equal bytes.
 class PointCloudWriter {
  public:
   /// Errors: usage (options, CRS), bad_input (no such folder), resources.

@@ -9,19 +9,19 @@
 
 namespace rayfield::formats {
 
-/// A product that was written and waits to be published.
+/// A product that is written but not yet published.
 struct ProductFile {
   std::string name;  ///< within the folder
   std::uint64_t size = 0;
   std::string sha256;
 };
 
-/// Products that belong together appear in their folder together. They are written aside, in a private folder within
-/// the target, and renamed into place when all of them are complete: whatever fails before leaves the folder as it was.
-/// What a writer that was killed left behind is removed by the next one.
+/// Products that belong together appear in their folder together. They are written to a private folder within the
+/// target and renamed into place when all are complete: a failure before that leaves the folder unchanged. What a
+/// killed writer left behind is removed by the next one.
 class ProductFolder {
  public:
-  /// `last`: the file that is renamed after all others; whoever finds it new finds all of them new.
+  /// `last`: the file that is renamed after all others; if it is new, so are all of them.
   /// Errors: bad_input (no such folder), resources.
   static Result<ProductFolder> create(const std::string& folder, const std::string& last, const std::string& what);
 

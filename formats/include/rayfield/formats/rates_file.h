@@ -6,7 +6,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/zone_products.h"
 
-/// Rates for the zones of a block, as their user gives them (docs/farm-systems.md, "Prescription map").
+/// Rates for the zones of a block, as given by the user (docs/farm-systems.md, "Prescription map").
 namespace rayfield::formats {
 
 /// Units that rates may have: "l/ha", "ml/m2", "m3/ha", "gal/ac", "kg/ha", "g/m2", "t/ha", "lb/ac", "1/ha", "1/m2".

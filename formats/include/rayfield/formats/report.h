@@ -10,8 +10,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/season_products.h"
 
-/// A block with all its dates as one HTML document that needs no network: what a grower asks first, then where it comes
-/// from and how sure it is (docs/report.md).
+/// A block with all its dates as one HTML document that needs no network: what a grower asks first, then the data
+/// behind it and their uncertainty (docs/report.md).
 namespace rayfield::formats {
 
 /// A file that a scan was made of.
@@ -23,8 +23,8 @@ struct ReportInput {
 
 /// What a report says of one of block.scans beside its values.
 struct ReportScan {
-  bool dormant = false;                  ///< the vines bear no leaves: not weak, and no change to be told of
-  Grid2<float> plan_density;             ///< m²/m², in the frame of all dates; as fine as it is to be shown
+  bool dormant = false;                  ///< the vines bear no leaves: neither weakness nor change is reported
+  Grid2<float> plan_density;             ///< m²/m², in the frame of all dates, at the resolution shown
   std::vector<RowGap> gaps;              ///< of that date, row by row
   std::vector<std::size_t> seen_as_gap;  ///< for each gap, on how many of the dates with canopy it is one
   std::vector<int> classes;              ///< of block.panels: 0 weakest … kReportClasses − 1, −1 not seen
@@ -41,13 +41,13 @@ struct BlockReport {
   std::vector<SeasonValue> season;          ///< block and rows on all dates
   std::vector<DateComparison> comparisons;  ///< of every two dates, in the order (0,1), (0,2) … (1,2) …
   std::vector<WeakStretch> weak;            ///< of the date in focus, the weakest first
-  std::size_t focus = 0;                    ///< the date that a grower is told of: the newest with leaves
+  std::size_t focus = 0;                    ///< the date that text and tables describe: the newest with leaves
   double min_gap_m = 0.5, gap_share = 0.2;  ///< what counts as a gap
   std::string software;                     ///< "rayfield 0.1.0"
 };
 
-/// How much of pictures a report holds at most, in cells over all dates; maps and side views are made coarser by whole
-/// factors until they fit.
+/// Limits on the pictures in a report, in cells over all dates; maps and side views are made coarser by whole factors
+/// until they fit.
 struct ReportOptions {
   std::size_t max_map_cells = 5'000'000;
   std::size_t max_side_view_cells = 5'000'000;
@@ -56,7 +56,7 @@ struct ReportOptions {
 /// The factor by which every map of `dates` dates has to be made coarser.
 int report_map_factor(const Grid2<float>& map, std::size_t dates, const ReportOptions& options);
 
-/// Blocks of factor × factor cells by their mean; what has no value is left out, blocks without any are NaN. Cells at
+/// Means over blocks of factor × factor cells; cells without a value are left out, blocks without any are NaN. Cells at
 /// the north and east edge may reach beyond the grid.
 Grid2<float> coarser(const Grid2<float>& grid, int factor);
 

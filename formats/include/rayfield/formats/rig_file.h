@@ -20,8 +20,8 @@ Result<Rig> read_rig(const std::string& path);
 /// The same for text already in memory; `name` stands for the path in messages.
 Result<Rig> parse_rig(std::string_view text, const std::string& name);
 
-/// The lidar's beam from a rig file of which nothing but [lidar] is looked at: all that a ray cloud needs. Absent where
-/// the file does not tell it. Errors: as read_rig().
+/// Only the lidar's beam, which is all that a ray cloud needs; other tables than [lidar] are not looked at. Absent if
+/// the file does not state it. Errors: as read_rig().
 Result<std::optional<LidarBeam>> read_rig_beam(const std::string& path);
 
 /// The rig as a rig file; parse_rig() of it gives the same rig.

@@ -9,7 +9,7 @@
 
 #include "rayfield/core/result.h"
 
-/// The container of ROS 1 bags, format version 2.0 (docs/rosbag.md). What the messages mean is sensor_log.h's business.
+/// The container of ROS 1 bags, format version 2.0 (docs/rosbag.md). For the meaning of messages see sensor_log.h.
 namespace rayfield::formats {
 
 struct BagConnection {
@@ -33,7 +33,7 @@ struct BagLoss {
   std::uint64_t offset = 0;
   std::uint64_t bytes = 0;         ///< on disk, bytes missing behind the end of a cut file included where known
   double seconds = 0;              ///< of recording time
-  bool seconds_estimated = false;  ///< from the mean byte rate: nothing follows that would tell the time
+  bool seconds_estimated = false;  ///< from the mean byte rate: no later message gives the time
   std::string reason;
 };
 

@@ -17,11 +17,11 @@ namespace rayfield::formats {
 class ScaleFit {
  public:
   /// `product`: "plan_density", "leaf_density", "plan_density_se", "canopy_height", "ground", "leaf_area_per_m",
-  /// "voxel_density", "side_view", "end_on"; others
-  /// keep the fixed scale of docs/products.md, or that of their data. Ground: whole metres around all dates.
+  /// "voxel_density", "side_view", "end_on"; others keep the fixed scale of docs/products.md, or that of their data.
+  /// Ground: whole metres around all dates.
   explicit ScaleFit(std::string_view product);
 
-  /// Values of one date, in any number of calls; NaN is left out, and what is next to nothing is no canopy.
+  /// Values of one date, in any number of calls; NaN is left out, and so are values too low for canopy.
   void add(std::span<const float> values);
   void add(double value);
   /// Ends the date.

@@ -19,7 +19,7 @@ struct LogOptions {
   /// left out. Memory holds this much of the log. 0 … 10 s.
   double reorder_window_s = 0.2;
   /// A topic's stamps that go back by more than this, or forward by more than clock_jump_forward_s beyond the time
-  /// that passed in the log, are a jump of its clock: a new segment begins. 0.1 … 3600 s.
+  /// that passed in the log, count as a clock jump: a new segment begins. 0.1 … 3600 s.
   double clock_jump_back_s = 1.0;
   double clock_jump_forward_s = 60.0;  ///< 1 … 1e6 s
   /// Which segment between clock jumps to deliver, from 0; LogReport::segments lists them all.
@@ -38,8 +38,8 @@ struct LogOptions {
 /// to the consumer. The LidarScan is reused between calls.
 /// Errors: bad_input (not a bag; a topic that the rig needs is missing or of another type; a GPS topic that is missing
 /// where the log has others; point clouds without time per point; nothing usable), usage (options; max_range_m above
-/// what the lidar reports; joint not in the log), interrupted, resources. Damage to the file is no error: it is in the
-/// report.
+/// what the lidar reports; joint not in the log), interrupted, resources. Damage to the file is not an error: it is in
+/// the report.
 Result<LogReport> read_log(const std::string& path, const Rig& rig, SensorSink& sink, const LogOptions& options = {});
 
 }  // namespace rayfield::formats

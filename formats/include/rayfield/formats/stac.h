@@ -10,7 +10,7 @@
 
 /// stac: the maps of a block as a STAC catalogue.
 ///
-/// A block's maps in words that catalogues understand: SpatioTemporal Asset Catalog 1.0.0 with the extensions
+/// The maps of a block as described by the SpatioTemporal Asset Catalog 1.0.0 with the extensions
 /// `projection` and `raster`. One Item per scan with its Cloud Optimised GeoTIFFs as assets, and a Collection of the
 /// Items; references are relative, so that the folder can be moved or served as it is.
 namespace rayfield::formats {
@@ -32,7 +32,7 @@ struct StacItem {
 
 /// `block`: its name, farm, variety and CRS. Geometries are the assets' outlines in WGS 84, seven decimals; the time is
 /// that of the scan, or midnight of its date where that is not known. Equal input gives equal bytes.
-/// Errors: usage (CRS, an Item without assets, a date that is none), internal, resources, bad_input (no such folder).
+/// Errors: usage (CRS, an Item without assets, an invalid date), internal, resources, bad_input (no such folder).
 Result<void> write_stac_item(const BlockProducts& block, const StacItem& item, const std::string& collection_file,
                              const std::string& path);
 Result<void> write_stac_collection(const BlockProducts& block, std::span<const StacItem> items,

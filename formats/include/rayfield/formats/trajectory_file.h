@@ -9,7 +9,7 @@
 
 namespace rayfield::formats {
 
-/// A trajectory as text after the TUM convention: lines `t x y z qx qy qz qw` with Unix time in s, position in the CRS
+/// A trajectory as text in the TUM format: lines `t x y z qx qy qz qw` with Unix time in s, position in the CRS
 /// (easting, northing, height, m) and orientation of the body relative to grid east, north and up. Lines that begin
 /// with # are comments; `# crs: …` and `# frame: …` are understood.
 struct Trajectory {

@@ -11,23 +11,23 @@
 #include "rayfield/core/ray_source.h"
 #include "rayfield/core/result.h"
 
-/// pipeline: lays a scan on its block's reference by what does not grow (docs/seasons.md, "Alignment").
+/// pipeline: aligns a scan to its block's reference by what does not grow (docs/seasons.md, "Alignment").
 namespace rayfield::align {
 
-/// Another place for the scan that was weighed.
+/// Another position of the scan that was considered.
 struct Rival {
-  double along_rows_m = 0, across_rows_m = 0;  ///< from the accepted place
+  double along_rows_m = 0, across_rows_m = 0;  ///< from the accepted position
   double turn_rad = 0;
   double log_ratio = 0;  ///< how much less likely it is, as a natural logarithm
 };
 
-/// How a scan is moved, and by what evidence.
+/// How a scan is moved, and the evidence for it.
 struct Alignment {
   PlanShift shift;
-  Warp warp;                     ///< empty: turn and shift are enough
+  Warp warp;                     ///< empty: a turn and a shift suffice
   double warp_rms_m = 0;         ///< of its displacements in plan at the matched landmarks
-  int landmarks = 0;             ///< posts and trunks that both show
-  double shared_fraction = 0;    ///< of those that stand where both looked
+  int landmarks = 0;             ///< posts and trunks seen by both scans
+  double shared_fraction = 0;    ///< share of those that stand where both looked
   double residual_m = 0;         ///< median distance of the matched landmarks afterwards, in plan
   double residual_rms_m = 0;     ///< root mean square of those below three times the median
   double ground_residual_m = 0;  ///< median deviation of the ground's height
@@ -38,7 +38,7 @@ struct Alignment {
 };
 
 /// Finds how `scan` must be moved to lie on `reference`. Errors: bad_input, where nothing fits (another block, too few
-/// landmarks, ground of another shape) or two places fit alike, with figures; usage (options).
+/// landmarks, ground of another shape) or two positions fit equally well, with figures; usage (options).
 /// `name`: of the scan, for messages.
 Result<Alignment> align_landmarks(const BlockLandmarks& reference, const BlockLandmarks& scan,
                                   const AlignOptions& options, const std::string& name);

@@ -52,7 +52,7 @@ struct AcceptOptions {
   }
 };
 
-/// The smooth warp that takes up what SLAM has drifted.
+/// The smooth warp that takes up the drift of SLAM.
 struct WarpOptions {
   bool enabled = true;
   double spacing_m = 12;

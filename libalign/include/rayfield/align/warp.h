@@ -5,8 +5,8 @@
 
 namespace rayfield::align {
 
-/// A smooth displacement over the plan: a uniform bicubic B-spline. Beyond its lattice it goes on unchanged from the
-/// border, so that far ends of rays are moved as the block's edge is.
+/// A smooth displacement over the plan: a uniform bicubic B-spline. Beyond its lattice it keeps the value at the
+/// border, so that the far ends of rays move like the edge of the block.
 struct Warp {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< where the first knot span begins, map m
   double spacing_m = 0;

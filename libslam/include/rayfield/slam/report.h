@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 #include <vector>
-/// report: what a run says of itself, as JSON for programs and as text for people.
+/// report: what is reported of a run, as JSON for programs and as text for people.
 namespace rayfield::slam {
 
 /// Residuals of one kind at the end of the global registration.
@@ -57,7 +57,7 @@ struct SlamReport {
   double length_m = 0;
   std::string crs;  ///< empty: local frame
   bool georeferenced = false;
-  std::string frame_note;  ///< how the frame came about, or why nothing is georeferenced
+  std::string frame_note;  ///< how the frame was found, or why nothing is georeferenced
   double stationary_start_s = 0;
   double initial_speed_m_s = 0;  ///< found by search if the drive did not begin at rest
 
@@ -74,13 +74,13 @@ struct SlamReport {
   std::uint64_t linked_visits = 0;  ///< pairs of 5 s sections that at least ten of them link
   double surfel_thickness_m = 0;    ///< robust standard deviation of flat surfaces seen in different passes; NaN: none
   /// Largest mean residual of the IMU over five seconds of straight driving, standard deviations: 1.2–1.9 in a correct
-  /// map, more if a lane was taken for the next one.
+  /// map, more if a lane was mistaken for its neighbour.
   double imu_misfit = 0;
-  /// Share of surfaces seen twice within a window of stage a that agree to three standard deviations: in the window
-  /// where it is least, and the median of all.
+  /// Share of surfaces seen twice within a window of stage a that agree within three standard deviations: the lowest of
+  /// all windows, and their median.
   double window_inliers_least = 0, window_inliers_typical = 0;
-  /// Offsets between surfaces of different passes, 90th percentile over 20 s of driving: in the section where it is
-  /// largest, and the median of all sections, m. They are alike in a correct map; 0 if there are too few.
+  /// Offsets between surfaces of different passes, 90th percentile over 20 s of driving: the largest of all sections,
+  /// and their median, m. The two are similar in a correct map; 0 if there are too few.
   double visit_offset_worst_m = 0, visit_offset_typical_m = 0;
   GpsSummary gps;
   std::vector<DegenerateSpan> degenerate;

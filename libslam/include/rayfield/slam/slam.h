@@ -41,7 +41,7 @@ struct SlamResult {
 /// Reconstructs one drive. `crs`: a projected CRS, or empty for a local frame. Without usable GPS the frame is local
 /// whatever `crs` says, and the report states it.
 /// If the rig asks for offsets to be estimated the log is read twice: the first pass finds nine tenths of them.
-/// Memory: the trajectory and what comes with it (40 kB per second of driving), a few seconds of points, and the
+/// Memory: the trajectory and its data (40 kB per second of driving), a few seconds of points, and the
 /// surfels of a square of 32 m. All surfels are in a temporary file in options.scratch. Errors: usage (options, CRS);
 /// bad_input: no IMU or lidar data, a spinner that does not turn, too short a drive, a trajectory that the data do not
 /// determine or that contradicts GPS or itself; whatever `read` returns; interrupted.

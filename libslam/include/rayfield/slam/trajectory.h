@@ -23,7 +23,7 @@ struct Trajectory {
 };
 
 /// A trajectory from poses in a projected CRS (or a local frame where `crs` is empty), with the CRS's scale factor at
-/// its first pose. For trajectories that come from elsewhere. Errors: usage (the CRS cannot be used), bad_input (fewer
+/// its first pose. For trajectories from other software. Errors: usage (the CRS cannot be used), bad_input (fewer
 /// than two poses, times not increasing, values not finite).
 Result<Trajectory> make_trajectory(std::vector<TimedPose> poses, const std::string& crs);
 

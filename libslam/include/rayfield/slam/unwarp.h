@@ -10,7 +10,7 @@
 
 namespace rayfield::slam {
 
-/// Clock and encoder corrections that come on top of the rig file's.
+/// Clock and encoder corrections in addition to those of the rig file.
 struct SensorOffsets {
   double lidar_s = 0;      ///< added to lidar stamps
   double spinner_rad = 0;  ///< added to the encoder angle

@@ -17,11 +17,11 @@ struct NewAttachment {
 
 /// How a scan is added to a store.
 struct AddOptions {
-  std::string date;                                     ///< YYYY-MM-DD
-  std::string name;                                     ///< optional label of the scan
-  std::optional<bool> dormant;                          ///< see ScanEntry; of a scan that is there it is changed
-  bool overwrite = false;                               ///< replace a scan of the same id
-  int threads = 0;                                      ///< 0 = all processors
+  std::string date;             ///< YYYY-MM-DD
+  std::string name;             ///< optional label of the scan
+  std::optional<bool> dormant;  ///< see ScanEntry; also changes it for a scan that is already there
+  bool overwrite = false;       ///< replace a scan of the same id
+  int threads = 0;              ///< 0 = all processors
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< bound on what the partition pass holds
   std::string command;                                  ///< for `rayfield log`
   std::vector<InputEntry> inputs;

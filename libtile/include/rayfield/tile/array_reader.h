@@ -16,12 +16,12 @@ namespace rayfield::tile {
 struct OpenStore;
 
 /// A derived file that is read column by column, or part by part where a column is large. Memory is a chunk of 131072
-/// elements and what is asked for. From one thread at a time. Made by Store::open_derived().
+/// elements and what is asked for. For one thread at a time. Made by Store::open_derived().
 class ArrayReader {
  public:
   /// Kind, version and attributes, without columns.
   const ArraySet& header() const;
-  /// Of a column of floats. Errors: damaged, when there is none of that name and type.
+  /// Size of a column of floats. Errors: damaged, if there is none of that name and type.
   Result<std::uint64_t> count(const std::string& column) const;
   /// Elements from `first` on. Errors: damaged, also where the column is shorter; resources.
   Result<void> read(const std::string& column, std::uint64_t first, std::span<float> values) const;

@@ -16,8 +16,8 @@ using Array =
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<std::int32_t>,
                  std::vector<std::uint32_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
 
-/// A named set of columns with a JSON text beside them: the form in which derived data (ground, voxels, rows) lives in
-/// the store. Equal content gives equal bytes.
+/// A named set of columns with a JSON text: the form in which the store keeps derived data (ground, voxels, rows).
+/// Equal content gives equal bytes.
 struct ArraySet {
   std::string kind;        ///< "ground", "voxels" …
   int version = 1;         ///< of the layout of this kind

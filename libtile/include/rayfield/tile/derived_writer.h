@@ -22,8 +22,8 @@ struct NewDerived {
 };
 
 /// Writes derived files durably and publishes them in one new snapshot at commit(). Files with a key that is already
-/// published are kept. put() is safe to call from several threads. Dropped without commit(): nothing changes, but
-/// files already written are found again by their key, so that work that was interrupted resumes.
+/// published are kept. put() is safe to call from several threads. Without commit() nothing changes, but files that
+/// were already written are found again by their key, so that interrupted work resumes.
 /// Made by Store::write_derived(); holds the writer's lock of the store while it lives.
 class DerivedWriter {
  public:
@@ -32,7 +32,7 @@ class DerivedWriter {
   Result<DerivedEntry> put(const NewDerived& what, const ArraySet& arrays);
   /// The same for columns that are too large to be in memory: their compressed form is.
   Result<DerivedEntry> put(const NewDerived& what, const StreamedArrays& arrays);
-  /// Where files without a name may be made while the work goes on (SpillFile).
+  /// Where temporary files may be made during the work (SpillFile).
   std::filesystem::path scratch_folder() const;
   /// `keep`: the complete set of derived entries that the scan (or, for "", the registry) shall have from now on.
   Result<void> set(const std::string& scan_id, std::vector<DerivedEntry> keep);

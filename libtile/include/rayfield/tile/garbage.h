@@ -15,7 +15,7 @@ struct GarbageOptions {
 struct GarbageFile {
   std::string path;  ///< relative to the store
   std::uint64_t size = 0;
-  bool to_trash = false;  ///< moved to trash/: nothing can make it anew
+  bool to_trash = false;  ///< moved to trash/: it cannot be computed again
 };
 
 /// What Store::gc() did, or would do.
@@ -23,7 +23,7 @@ struct GarbageReport {
   std::uint64_t bytes_removed = 0;   ///< of temporary and derived files, and of the trash
   std::uint64_t bytes_moved = 0;     ///< to trash/
   std::vector<GarbageFile> files;    ///< in scans/ and registry/
-  std::vector<std::string> foreign;  ///< that bear no name of ours: left where they are
+  std::vector<std::string> foreign;  ///< not named like a file of the store: left where they are
 };
 
 }  // namespace rayfield::tile

@@ -22,7 +22,7 @@ struct TileRef {
   Eigen::Vector2d corner() const { return {index.ix * size_m, index.iy * size_m}; }
 };
 
-/// What of its ray a segment holds.
+/// Which part of its ray a segment holds.
 enum SegmentFlag : std::uint8_t {
   kHit = 1,         ///< the ray hit a surface at this segment's end (set only where that end belongs to this file)
   kStartsHere = 2,  ///< the ray's origin lies in the tile proper: over all tiles, each ray has this flag exactly once

@@ -57,9 +57,9 @@ struct InputEntry {
 };
 
 enum class AlignmentVerdict {
-  reference,  ///< the first scan: the others are laid on it
+  reference,  ///< the first scan: the others are aligned to it
   aligned,    ///< moved onto the block's reference
-  unaligned,  ///< left where its positioning put it, as asked for
+  unaligned,  ///< left where its own positioning put it, on request
 };
 
 /// "reference", "aligned" or "unaligned".
@@ -68,14 +68,14 @@ std::string verdict_name(AlignmentVerdict verdict);
 /// How a scan was moved onto its block's reference before its rays were put into tiles. NaN = not known.
 struct ScanAlignment {
   AlignmentVerdict verdict = AlignmentVerdict::reference;
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< (east, north, height) of the scan's middle
-  Eigen::Vector2d pivot_m = Eigen::Vector2d::Zero();   ///< that middle before, about which it was turned
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< (east, north, height) at the centre of the scan
+  Eigen::Vector2d pivot_m = Eigen::Vector2d::Zero();   ///< that centre before the move; the scan is turned about it
   double yaw_rad = 0;                                  ///< from east to north
   double warp_rms_m = 0;                               ///< of the smooth warp at the landmarks; 0 = none
   double residual_m = 0;                               ///< of matched posts and trunks in plan, rms
   double ground_residual_m = 0;                        ///< of the ground's height, median
-  double shared_fraction = 0;                          ///< posts and trunks that both show, where both looked
-  double margin = 0;                                   ///< log-likelihood above the next best place
+  double shared_fraction = 0;                          ///< share of posts and trunks seen by both, where both looked
+  double margin = 0;                                   ///< log-likelihood over the next best position
   int landmarks = 0;                                   ///< matched posts and trunks
 };
 

@@ -70,8 +70,8 @@ class Store {
   /// Partitions a stream of rays into tiles and publishes them as a scan. Memory stays below options.memory_bytes.
   Result<AddReport> add(RaySource& rays, const AddOptions& options, Progress& progress);
 
-  /// What add() would answer without reading a ray: a report with already_there when the scan is in the store, nothing
-  /// when it may be added. Errors: usage, when another scan has the same id. Worth asking before costly preparations.
+  /// What add() would return, without reading a ray: a report with already_there if the scan is in the store, nothing
+  /// if it may be added. Errors: usage, if another scan has the same id. Worth calling before costly preparations.
   Result<std::optional<AddReport>> find_added(const AddOptions& options) const;
 
   /// Publishes a snapshot without a scan, named by its id or by a date on which there is one alone. Its files stay:
@@ -83,8 +83,8 @@ class Store {
   /// Publishes a snapshot with the content of an older one. Nothing is deleted, so that this can be reverted too.
   /// Errors: usage (no such snapshot), damaged (files of it are gone; names them), locked.
   Result<RevertReport> revert(std::uint64_t number, const std::string& command);
-  /// Says of a scan that the vines bore no leaves, that they did, or (nothing) that nothing is known. No change, no
-  /// snapshot. Errors: usage (no such scan), locked.
+  /// Records for a scan that the vines bore no leaves, that they did, or (nothing) that it is unknown. Without a change
+  /// there is no new snapshot. Errors: usage (no such scan), locked.
   Result<void> set_dormant(const std::string& scan_id, std::optional<bool> dormant, const std::string& command);
 
   using TileReader = tile::TileReader;
@@ -101,15 +101,15 @@ class Store {
   /// Takes the writer's lock; ErrorCode::locked when another process holds it.
   Result<DerivedWriter> write_derived();
 
-  /// Looks whether any snapshot is missing, and checks every file of the newest one (of all with `all`) against its
-  /// size and SHA-256.
+  /// Checks that no snapshot is missing and that every file of the newest one (with `all`: of all) has its size and
+  /// SHA-256.
   Result<std::vector<Damage>> verify(bool all, int threads, Progress& progress) const;
-  /// Clears away what no snapshot names and what writers that died have left. Derived and temporary files are deleted;
-  /// what nothing can make anew (rays, files kept with a scan, the registry) is moved to trash/. Errors: damaged (links
-  /// in the store; snapshots are missing, so that nothing tells whose the files are), locked.
+  /// Clears away what no snapshot names and what killed writers have left. Derived and temporary files are deleted;
+  /// what cannot be computed again (rays, files kept with a scan, the registry) is moved to trash/. Errors: damaged
+  /// (links in the store; missing snapshots, without which it is unknown who needs a file), locked.
   Result<GarbageReport> gc(const GarbageOptions& options);
-  /// Goes on from a history of which snapshots are missing or unreadable: publishes the newest one that is whole, with
-  /// the scans that only the missing ones named, as far as their sealed files tell. Nothing is deleted.
+  /// Repairs a history with missing or unreadable snapshots: publishes the newest intact one, together with the scans
+  /// that only the missing ones named, as far as their sealed files describe them. Nothing is deleted.
   /// Errors: locked, resources, interrupted.
   Result<RepairReport> repair(bool dry_run, const std::string& command, Progress& progress);
 
