@@ -1,5 +1,6 @@
 #pragma once
-/// ground: one pass over a tile makes its survey; surveys make the sensor's trajectory and the ground (docs/ground.md).
+/// ground: one pass over a tile makes its survey; from the surveys follow the sensor's trajectory and the ground
+/// (docs/ground.md).
 #include <Eigen/Core>
 #include <array>
 #include <span>

@@ -1,5 +1,4 @@
-/// input: from the messages of a log to clean data: IMU samples on a grid without spikes, lidar points in the IMU
-/// frame.
+/// input: from a log's messages to clean data: IMU samples on a grid without spikes, lidar points in the IMU frame.
 #pragma once
 
 #include <Eigen/Core>

@@ -10,10 +10,8 @@
 
 #include "rayfield/core/result.h"
 
-/// files: file descriptors that close themselves, whole text files, temporary files for what does not fit in memory.
-///
-/// POSIX files with every return value checked. Error messages begin with `what` ("cannot read bag") and name paths as
-/// they were given.
+/// files: POSIX files with every return value checked, text files, temporary files. Error messages begin with `what`
+/// ("cannot read bag") and name paths as they were given.
 namespace rayfield {
 
 /// Owns a file descriptor.

@@ -13,9 +13,7 @@
 
 #include "rayfield/core/result.h"
 
-/// options: the options of an algorithm, written once for checks, settings, keys and documentation.
-///
-/// Options are written once. A struct of options gives its members' defaults and, in one function template, the valid
+/// options: options are written once. A struct gives its members' defaults and, in one function template, the valid
 /// range and meaning of every member:
 ///
 ///   struct SurveyOptions {

@@ -5,10 +5,8 @@
 
 #include "rayfield/core/result.h"
 
-/// parallel: work on several threads with results that do not depend on their number.
-///
-/// Parallel work on OpenMP, which no other file uses directly: with these functions, order, errors and results do not
-/// depend on the number of threads. Called from inside a task they run in the calling thread.
+/// parallel: work on several threads by OpenMP, which no other file uses directly: order, errors and results do not
+/// depend on the number of threads. Called from inside a task, these functions run in the calling thread.
 namespace rayfield {
 
 /// `requested` if positive, else the number of processors this process may use.

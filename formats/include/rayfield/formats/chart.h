@@ -9,10 +9,8 @@
 #include "rayfield/core/season_products.h"
 #include "rayfield/formats/picture.h"
 
-/// chart: dates of a block, and series of numbers, as charts.
-///
-/// Charts of a block's dates, and of numbers of any kind: PNG, or SVG where the path ends in .svg. Equal input gives
-/// equal bytes.
+/// chart: charts of a block's dates, and of numbers of any kind: PNG, or SVG where the path ends in .svg. Equal input
+/// gives equal bytes.
 namespace rayfield::formats {
 
 /// Leaf area per metre of row of every panel, one date against the other: line of no change, least-squares trend, 95 %
@@ -23,7 +21,7 @@ Result<void> write_scatter_chart(const DateComparison& comparison, const std::st
 
 /// Leaf area per metre of row through the season: the block, then each row of `rows`, with 95 % intervals; thin lines
 /// are the row's panels. All share one scale. `values`: of these rows and of the block (row 0). Errors: usage (options,
-/// no values, a date that is none), otherwise as above.
+/// no values, an invalid date), otherwise as above.
 Result<void> write_season_chart(const BlockProducts& block, std::span<const SeasonValue> values,
                                 std::span<const int> rows, const std::string& path, const PictureOptions& options = {});
 

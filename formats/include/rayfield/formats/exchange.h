@@ -7,10 +7,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/formats/farm_profile.h"
 
-/// exchange: panels for other software, farm systems' rules, and the files that people bring: surveys, registries.
-///
-/// Panels and their values for other software. Files appear whole or not at all; equal input gives equal bytes. Columns
-/// are those of `panel_by_date` with `block`, `farm`, `variety` and `row_name`.
+/// exchange: panels for other software, and surveys from it. Files appear whole or not at all; equal input gives equal
+/// bytes. Columns are those of `panel_by_date` with `block`, `farm`, `variety` and `row_name`.
 namespace rayfield::formats {
 
 /// Formats that hold the panels of one scan as polygons in longitude and latitude (WGS 84).

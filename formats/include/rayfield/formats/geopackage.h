@@ -9,10 +9,8 @@
 #include "rayfield/formats/qgis_project.h"
 #include "rayfield/formats/style.h"
 
-/// geopackage: a block with all its dates as one GeoPackage, and tables of what changed between dates.
-///
-/// A block with all its dates as one GeoPackage 1.2 file, ready for QGIS. The tables and columns are listed with their
-/// units in docs/products.md and, inside the file, in `gpkg_data_columns`.
+/// geopackage: a block with all its dates as one GeoPackage 1.2 file, ready for QGIS. The tables and columns are listed
+/// with their units in docs/products.md and, inside the file, in `gpkg_data_columns`.
 namespace rayfield::formats {
 
 struct GeoPackageOptions {

@@ -12,10 +12,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/formats/style.h"
 
-/// raster: maps as GeoTIFF.
-///
-/// Rasters as GeoTIFF: one Float32 band, NaN = not scanned = nodata, unit and description set, statistics inside the
-/// file, a QGIS style beside it. Equal input gives equal bytes. See docs/products.md.
+/// raster: maps as GeoTIFF: one Float32 band, NaN = not scanned = nodata, unit and description set, statistics inside
+/// the file, a QGIS style beside it. Equal input gives equal bytes. See docs/products.md.
 namespace rayfield::formats {
 
 struct GeoTiffOptions {

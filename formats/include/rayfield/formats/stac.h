@@ -8,9 +8,7 @@
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
 
-/// stac: the maps of a block as a STAC catalogue.
-///
-/// The maps of a block as described by the SpatioTemporal Asset Catalog 1.0.0 with the extensions
+/// stac: the maps of a block as described by the SpatioTemporal Asset Catalog 1.0.0 with the extensions
 /// `projection` and `raster`. One Item per scan with its Cloud Optimised GeoTIFFs as assets, and a Collection of the
 /// Items; references are relative, so that the folder can be moved or served as it is.
 namespace rayfield::formats {

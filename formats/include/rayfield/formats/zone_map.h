@@ -7,10 +7,8 @@
 #include "rayfield/core/zone_products.h"
 #include "rayfield/formats/farm_profile.h"
 
-/// zones: management zones as polygons, application rates, and prescription maps.
-///
-/// Management zones of a block as files, with or without a rate for each (docs/farm-systems.md). Files appear whole or
-/// not at all; equal input gives equal bytes.
+/// zones: management zones of a block as files, with or without a rate for each (docs/farm-systems.md). Files appear
+/// whole or not at all; equal input gives equal bytes.
 namespace rayfield::formats {
 
 /// The layer `management_zone`, coloured. Errors: usage (CRS), internal, resources, bad_input (no such folder).

@@ -3,9 +3,8 @@
 #include "rayfield/core/option_fields.h"
 #include "rayfield/core/result.h"
 
-/// options: everything that can be set of an alignment.
-///
-/// Everything that can be set. Members give defaults; visit_fields() gives ranges and meanings (docs/options.md).
+/// options: everything that can be set. Members give defaults; visit_fields() gives ranges and meanings
+/// (docs/options.md).
 namespace rayfield::align {
 
 /// Which shifts are looked for, and how likely each is before any landmark is seen.

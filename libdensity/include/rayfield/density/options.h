@@ -8,9 +8,7 @@
 
 #include "rayfield/density/layout_options.h"
 
-/// options: everything that can be set of the processing (docs/options.md).
-///
-/// Options of the way from the tiles of a block to its maps, those of voxels and density here, those of ground and
+/// options: all options of the processing from tiles to maps, those of voxels and density here, those of ground and
 /// layout in layout_options.h. Meaning and valid range of every option stand in visit_fields(), and in docs/options.md,
 /// which is made from it.
 namespace rayfield::density {

@@ -11,9 +11,7 @@
 #include "rayfield/core/result.h"
 #include "rayfield/core/zone_products.h"
 
-/// zones: a block divided into management zones by smoothed values and natural breaks.
-///
-/// Management zones of a block (docs/farm-systems.md, "Management zones").
+/// zones: management zones of a block by natural breaks (docs/farm-systems.md, "Management zones").
 namespace rayfield::density {
 
 struct ZoneOptions {

@@ -7,11 +7,9 @@
 #include "rayfield/core/option_fields.h"
 #include "rayfield/core/result.h"
 
-/// options: everything that can be set of a SLAM run.
-///
-/// Everything that can be set. Members give defaults; visit_fields() gives ranges and meanings (docs/options.md).
-/// Defaults suit a 2-D lidar spinning at 0.5 Hz on a vehicle at walking to driving pace in a vineyard, and 3-D lidars
-/// with more beams.
+/// options: everything that can be set. Members give defaults; visit_fields() gives ranges and meanings
+/// (docs/options.md). Defaults suit a 2-D lidar spinning at 0.5 Hz on a vehicle at walking to driving pace in a
+/// vineyard, and 3-D lidars with more beams.
 namespace rayfield::slam {
 
 /// Planar patches from lidar points.

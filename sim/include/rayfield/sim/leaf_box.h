@@ -10,10 +10,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/sim/site.h"
 
-/// leaf_box: leaves at random in a box, without a vineyard around them, for experiments.
-///
-/// A canopy of which everything is known: leaves alone, at random in a box. What an estimator gets wrong there is not
-/// for want of ground, wood or clumping.
+/// leaf_box: a canopy of which everything is known: nothing but leaves, at random in a box. An estimator's errors there
+/// do not come from ground, wood or clumping.
 namespace rayfield::sim {
 
 struct LeafBoxOptions {
