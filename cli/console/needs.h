@@ -7,7 +7,7 @@
 
 namespace rayfield::cli {
 
-/// What a command would take of the machine, as --dry-run says it (docs/commands.md, "Before it is done").
+/// What a command would need from the machine, as --dry-run prints it (docs/commands.md, "Dry runs").
 struct Needs {
   std::uint64_t disk_bytes = 0;       ///< that stay
   std::uint64_t temporary_bytes = 0;  ///< more while it runs

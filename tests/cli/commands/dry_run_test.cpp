@@ -41,7 +41,7 @@ Measured run(std::vector<std::string> arguments, const fs::path& folder) {
   return measured;
 }
 
-// docs/commands.md, "Before it is done".
+// docs/commands.md, "Dry runs".
 void expect_within(const Measured& measured, double factor, const std::string& command) {
   const double ratio = measured.plan["disk_bytes"].get<double>() / static_cast<double>(measured.disk);
   fmt::print("{}: {} B of disk, {:.2f} of them said; {} MiB resident\n", command, measured.disk, ratio,

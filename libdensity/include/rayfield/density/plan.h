@@ -25,7 +25,7 @@ struct ProcessPlan {
 
 /// Tells what process() would do, without the writer's lock and without reading a ray. Sizes are those of the scan that
 /// was processed before, or of another one of the block by their tiles; of the first scan of a block they follow from
-/// its tiles and rays (docs/commands.md, "Before it is done"). What a scan teaches about rows that are new can make
+/// its tiles and rays (docs/commands.md, "Dry runs"). What a scan teaches about rows that are new can make
 /// later scans necessary that the plan leaves out. Errors: as process(), locked and interrupted excepted.
 Result<ProcessPlan> plan_process(const tile::Store& store, const ProcessOptions& options);
 
