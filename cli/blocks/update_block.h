@@ -1,5 +1,5 @@
 #pragma once
-
+/// blocks: the monthly update of a block, lists of blocks, and their references.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,7 +12,6 @@
 #include "rayfield/core/result.h"
 #include "rayfield/density/process.h"
 
-/// blocks: the monthly update of a block, lists of blocks, and their references.
 namespace rayfield::cli {
 
 /// The monthly job of one block.

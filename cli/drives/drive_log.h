@@ -1,5 +1,5 @@
 #pragma once
-
+/// drives: logs of a drive: registered, turned into rays, drawn.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,7 +13,6 @@
 #include "rayfield/formats/sensor_log.h"
 #include "rayfield/slam/slam.h"
 
-/// drives: logs of a drive: registered, turned into rays, drawn.
 namespace rayfield::cli {
 
 /// A log that was registered: its trajectory, what the run says of itself, and its rays as a stream.

@@ -1,5 +1,5 @@
 #pragma once
-
+/// products: maps, comparisons and reports of a block, from its store into a folder.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,7 +11,6 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/store.h"
 
-/// products: maps, comparisons and reports of a block, from its store into a folder.
 namespace rayfield::cli {
 
 /// What `rayfield export` writes.

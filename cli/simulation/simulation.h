@@ -1,5 +1,5 @@
 #pragma once
-
+/// simulation: simulated sites written to files, and areas against their truth.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,7 +8,6 @@
 #include "rayfield/core/result.h"
 #include "rayfield/sim/sim.h"
 
-/// simulation: simulated sites written to files, and areas against their truth.
 namespace rayfield::cli {
 
 /// What to write for each date of a site.

@@ -1,5 +1,5 @@
 #pragma once
-
+/// layout: what a block consists of (rows, panels, posts, trunks), and the geometry of their lines.
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
@@ -8,7 +8,6 @@
 
 #include "rayfield/core/grid3.h"
 
-/// layout: what a block consists of (rows, panels, posts, trunks), and the geometry of their lines.
 namespace rayfield::density {
 
 /// What names a row, panel or post for ever, and from when to when it stands. Dates are YYYY-MM-DD; `to` dates are the

@@ -1,5 +1,5 @@
 #pragma once
-
+/// learning: the first layout of a block, what each later scan teaches about it, and landmarks for alignment.
 #include <map>
 #include <optional>
 #include <string>
@@ -9,7 +9,6 @@
 #include "libdensity/learning/scan_evidence.h"
 #include "rayfield/density/layout_options.h"
 
-/// learning: the first layout of a block, what each later scan teaches about it, and landmarks for alignment.
 namespace rayfield::density {
 
 /// What a scan showed, and when.

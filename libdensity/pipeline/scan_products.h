@@ -1,10 +1,9 @@
 #pragma once
-
+/// pipeline: the products of a scan, and the order in which all stages run.
 #include "libdensity/leaf/leaf_products.h"
 #include "libdensity/scan/scan_stages.h"
 #include "rayfield/core/products.h"
 
-/// pipeline: the products of a scan, and the order in which all stages run.
 namespace rayfield::density {
 
 /// Panels, half metres, sections and rasters from the counters (kinds "results" and "raster").

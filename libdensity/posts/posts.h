@@ -1,5 +1,5 @@
 #pragma once
-
+/// posts: upright things in the rows: posts, trunks, and the panels between posts.
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
@@ -12,7 +12,6 @@
 #include "rayfield/core/result.h"
 #include "rayfield/density/layout_options.h"
 
-/// posts: upright things in the rows: posts, trunks, and the panels between posts.
 namespace rayfield::density {
 
 /// An upright thing in a row.

@@ -1,5 +1,5 @@
 #pragma once
-
+/// registry: identities that last from scan to scan, surveyed rows, and the layout as the store keeps it.
 #include <map>
 #include <string>
 #include <string_view>
@@ -10,8 +10,6 @@
 #include "rayfield/density/registry.h"
 #include "rayfield/tile/store.h"
 
-/// registry: identities that last from scan to scan, surveyed rows, and the layout as the store keeps it.
-///
 /// The registry's files in a snapshot (docs/store-format.md): "survey" as imported; "found", what the layout starts
 /// from: found in the first scan, or the survey completed by it; "rows", the layout of today, with what later scans
 /// have taught; "names", what the user calls things.

@@ -1,5 +1,5 @@
 #pragma once
-
+/// results: the values of a scan as the store keeps them.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,7 +10,6 @@
 #include "rayfield/core/result.h"
 #include "rayfield/tile/arrays.h"
 
-/// results: the values of a scan as the store keeps them.
 namespace rayfield::density {
 
 /// Stored form of what one scan gives, kind "results" version 1. Panels and rows are named by their numbers; their

@@ -71,7 +71,8 @@ struct RowSegmentVoxels {
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
   std::vector<EchoCounters> echoes;    ///< likewise, empty for thin beams
 
-  /// The column's voxels from below, or an empty span where another tile has them.
+  /// The voxels of a column from the bottom up; an empty span if they belong to another tile.
+  /// Echoes likewise.
   std::span<const VoxelCounters> column_voxels(int along, int across) const { return column_of(voxels, along, across); }
   std::span<const EchoCounters> column_echoes(int along, int across) const { return column_of(echoes, along, across); }
 

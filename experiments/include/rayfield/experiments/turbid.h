@@ -1,5 +1,5 @@
 #pragma once
-
+/// turbid: leaves without size in a voxel, and the estimators that are tried on them.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,7 +9,6 @@
 #include "rayfield/experiments/moments.h"
 #include "rayfield/experiments/turbid_estimators.h"
 
-/// turbid: leaves without size in a voxel, and the estimators that are tried on them.
 namespace rayfield::experiments {
 
 /// The paper's "Simulation of Turbid Medium in 1D": n rays cross a voxel of depth y = 1 in which a leaf stands in the

@@ -3,8 +3,7 @@
 #include "rayfield/core/option_fields.h"
 #include "rayfield/core/result.h"
 
-/// options: everything that can be set. Members give defaults; visit_fields() gives ranges and meanings
-/// (docs/options.md).
+/// options: what can be set. Members give defaults, visit_fields() gives ranges and meanings (docs/options.md).
 namespace rayfield::align {
 
 /// Which shifts are looked for, and how likely each is before any landmark is seen.
