@@ -8,7 +8,6 @@
 #include "libdensity/learning/block_registry.h"
 #include "libdensity/pipeline/processed_scan.h"
 #include "libdensity/registry/layout_store.h"
-#include "rayfield/density/load.h"
 
 namespace rayfield::density {
 namespace {
@@ -82,10 +81,7 @@ std::uint64_t ProcessPlan::disk_bytes() const {
 Result<ProcessPlan> plan_process(const tile::Store& store, const ProcessOptions& options) {
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-  if (snapshot.scans.empty())
-    return fail(ErrorCode::usage, "nothing to process", store.folder().string(), "the store holds no scan yet",
-                "add one with `rayfield add`");
-  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, select_scans(snapshot, options.dates));
+  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, scans_to_process(store, snapshot, options.dates));
   RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
   RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, {}));
   ProcessPlan plan;

@@ -172,10 +172,7 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
   RAYFIELD_CHECK(options.validate());
   RAYFIELD_ASSIGN(tile::Store::DerivedWriter writer, store.write_derived());
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-  if (snapshot.scans.empty())
-    return fail(ErrorCode::usage, "nothing to process", store.folder().string(), "the store holds no scan yet",
-                "add one with `rayfield add`");
-  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, select_scans(snapshot, options.dates));
+  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, scans_to_process(store, snapshot, options.dates));
   RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
 
   ProcessReport report;

@@ -6,6 +6,7 @@
 #include "libdensity/registry/layout_store.h"
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/stage_versions.h"
+#include "rayfield/density/load.h"
 
 namespace rayfield::density {
 namespace {
@@ -14,6 +15,14 @@ constexpr const char* kKind = "processed";
 constexpr int kProcessedVersion = 2;
 
 }  // namespace
+
+Result<std::vector<std::string>> scans_to_process(const tile::Store& store, const tile::Snapshot& snapshot,
+                                                  const std::vector<std::string>& dates) {
+  if (snapshot.scans.empty())
+    return fail(ErrorCode::usage, "nothing to process", store.folder().string(), "the store holds no scan yet",
+                "add one with `rayfield add`");
+  return select_scans(snapshot, dates);
+}
 
 std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& scan, const RowLayout& known,
                           const RowLayout& layout) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/leaf/scan_totals.h"
@@ -9,6 +10,10 @@
 #include "libdensity/scan/scan_work.h"
 
 namespace rayfield::density {
+
+/// The scans of `dates` (ids or dates; all if empty). Errors: usage, where there are none.
+Result<std::vector<std::string>> scans_to_process(const tile::Store& store, const tile::Snapshot& snapshot,
+                                                  const std::vector<std::string>& dates);
 
 /// What is left of a scan's processing in kind "processed", so that the next run need not look at the scan again: an
 /// update of one date would otherwise read the files of all others. Its key is a hash of everything that the scan's
