@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "rayfield/core/median.h"
 
@@ -160,6 +161,82 @@ void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::
   }
 }
 
+// Distances between all pairs of sure posts of a row, not only neighbours: a vine taken for a post must not hide the
+// gap between its neighbours.
+std::vector<double> gaps_between_sure(const std::vector<std::vector<PlacedStem>>& stems,
+                                      const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
+  std::vector<double> gaps;
+  for (std::size_t r = 0; r < stems.size(); ++r)
+    for (std::size_t i = 0; i < sure[r].size(); ++i)
+      for (std::size_t j = i + 1; j < sure[r].size(); ++j) {
+        const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
+        if (gap >= min_m && gap <= max_m) gaps.push_back(gap);
+      }
+  return gaps;
+}
+
+// How many sure posts stand at multiples of a spacing from the one of their row that explains most.
+std::size_t explained_by(const std::vector<std::vector<PlacedStem>>& stems,
+                         const std::vector<std::vector<std::size_t>>& sure, double spacing) {
+  std::size_t sum = 0;
+  for (std::size_t r = 0; r < stems.size(); ++r)
+    if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing).size() - 1;
+  return sum;
+}
+
+struct SpacingCandidate {
+  double spacing_m;
+  std::size_t explained;
+};
+
+// Spacings that the gaps, their halves and their thirds suggest, ascending.
+std::vector<SpacingCandidate> spacing_candidates(const std::vector<std::vector<PlacedStem>>& stems,
+                                                 const std::vector<std::vector<std::size_t>>& sure,
+                                                 std::span<const double> gaps, double min_m, double max_m) {
+  std::vector<double> tried;
+  for (double gap : gaps)
+    for (int parts = 1; parts <= 3; ++parts)
+      if (gap / parts >= min_m && gap / parts <= max_m) tried.push_back(gap / parts);
+  std::sort(tried.begin(), tried.end());
+  std::vector<SpacingCandidate> candidates;
+  for (double spacing : tried) {
+    constexpr double kApart = 0.005;  // m; a large block has more gaps than spacings that differ
+    if (!candidates.empty() && spacing < candidates.back().spacing_m + kApart) continue;
+    candidates.push_back({spacing, explained_by(stems, sure, spacing)});
+  }
+  return candidates;
+}
+
+// A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
+// multiples of the one that explains most, the widest that does nearly as well, or whose places are mostly taken, and
+// twice as often as those that the narrower one adds, which are lower. No other spacing may take its place.
+SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& stems,
+                                 const std::vector<std::vector<std::size_t>>& sure,
+                                 std::span<const SpacingCandidate> candidates, std::size_t most, std::size_t others) {
+  const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
+  double best = 0;
+  for (const SpacingCandidate& c : candidates)
+    if (c.explained == most) best = c.spacing_m;
+  const auto rows = static_cast<std::size_t>(
+      std::count_if(sure.begin(), sure.end(), [](const std::vector<std::size_t>& row) { return !row.empty(); }));
+  const auto is_multiple = [](double spacing, double of) {
+    const double times = spacing / of;
+    return times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
+  };
+  SpacingCandidate widest{best, most};
+  for (const SpacingCandidate& c : candidates) {
+    const std::size_t places = places_of(stems, sure, widest.spacing_m);
+    const std::size_t own = std::min(places, places_of(stems, sure, c.spacing_m)), taken = c.explained + rows;
+    const std::size_t others_taken = widest.explained - std::min(widest.explained, c.explained);
+    const bool adds_little = 3 * taken > 2 * own && 2 * others_taken * own < taken * (places - own);
+    if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
+        (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
+         added_are_lower(stems, sure, widest.spacing_m, c.spacing_m)))
+      widest = c;
+  }
+  return widest;
+}
+
 }  // namespace
 
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
@@ -179,75 +256,25 @@ std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems,
   return witnesses;
 }
 
+// Of the spacings that pairs of sure posts suggest, the one that explains most posts, or a multiple of it that does
+// nearly as well; then the median of the distances that agree with it.
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                            const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
-  // Between all pairs that are not far apart: a vine taken for a post must not hide the gap between its neighbours.
-  std::vector<double> gaps;
-  for (std::size_t r = 0; r < stems.size(); ++r)
-    for (std::size_t i = 0; i < sure[r].size(); ++i)
-      for (std::size_t j = i + 1; j < sure[r].size(); ++j) {
-        const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
-        if (gap >= min_m && gap <= 2 * max_m) gaps.push_back(gap);
-      }
+  const std::vector<double> gaps = gaps_between_sure(stems, sure, min_m, 2 * max_m);
   std::size_t others = 0;
   for (const auto& of_row : sure) others += of_row.empty() ? 0 : of_row.size() - 1;
-  // How many sure posts stand at multiples of a spacing from the one of their row that explains most.
-  const auto explained = [&](double spacing) {
-    std::size_t sum = 0;
-    for (std::size_t r = 0; r < stems.size(); ++r)
-      if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing).size() - 1;
-    return sum;
-  };
-  struct Candidate {
-    double spacing_m;
-    std::size_t explained;
-  };
-  std::vector<double> tried;
-  for (double gap : gaps)
-    for (int parts = 1; parts <= 3; ++parts)
-      if (gap / parts >= min_m && gap / parts <= max_m) tried.push_back(gap / parts);
-  std::sort(tried.begin(), tried.end());
-  std::vector<Candidate> candidates;
+  const std::vector<SpacingCandidate> candidates = spacing_candidates(stems, sure, gaps, min_m, max_m);
   std::size_t most = 0;
-  for (double spacing : tried) {
-    constexpr double kApart = 0.005;  // m; a large block has more gaps than spacings that differ
-    if (!candidates.empty() && spacing < candidates.back().spacing_m + kApart) continue;
-    candidates.push_back({spacing, explained(spacing)});
-    most = std::max(most, candidates.back().explained);
-  }
+  for (const SpacingCandidate& c : candidates) most = std::max(most, c.explained);
   if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
-  // A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
-  // multiples of the one that explains most, the widest that does nearly as well, or whose places are taken for the
-  // most part, and twice as often as those that the narrower one adds, which are lower. No other spacing may take its
-  // place.
-  const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
-  double best = 0;
-  for (const Candidate& c : candidates)
-    if (c.explained == most) best = c.spacing_m;
-  const auto rows = static_cast<std::size_t>(
-      std::count_if(sure.begin(), sure.end(), [](const std::vector<std::size_t>& row) { return !row.empty(); }));
-  const auto is_multiple = [](double spacing, double of) {
-    const double times = spacing / of;
-    return times > 1.5 && std::abs(times - std::round(times)) <= kTolerance;
-  };
-  Candidate widest{best, most};
-  for (const Candidate& c : candidates) {
-    const std::size_t places = places_of(stems, sure, widest.spacing_m);
-    const std::size_t own = std::min(places, places_of(stems, sure, c.spacing_m)), taken = c.explained + rows;
-    const std::size_t others_taken = widest.explained - std::min(widest.explained, c.explained);
-    const bool adds_little = 3 * taken > 2 * own && 2 * others_taken * own < taken * (places - own);
-    if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
-        (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
-         added_are_lower(stems, sure, widest.spacing_m, c.spacing_m)))
-      widest = c;
-  }
+  const SpacingCandidate widest = widest_multiple(stems, sure, candidates, most, others);
   std::vector<double> spacings;
   for (double gap : gaps) {
     const double spacing = gap / std::max(1.0, std::round(gap / widest.spacing_m));
     if (std::abs(spacing - widest.spacing_m) <= kTolerance * widest.spacing_m) spacings.push_back(spacing);
   }
   const double spacing = median_of(spacings);
-  const std::size_t agree = explained(spacing);
+  const std::size_t agree = explained_by(stems, sure, spacing);
   return {spacing, agree >= 4 && 2 * agree > others};
 }
 

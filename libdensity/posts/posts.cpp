@@ -124,6 +124,28 @@ void build_row(RowLayout& layout, Row& row, const RowStems& stems, const PostOpt
   report.trunks += static_cast<int>(stems.trunks.size());
 }
 
+// What posts and trunks are usually like, judging by the stems that are taken for posts so far, `posts_of(row)`.
+template <class PostsOf>
+void learn_usual(const std::vector<std::vector<PlacedStem>>& placed, const PostsOf& posts_of, UsualStems& usual) {
+  std::vector<double> post_radii, trunk_radii, trunk_gaps;
+  for (std::size_t r = 0; r < placed.size(); ++r) {
+    const std::vector<std::size_t>& posts = posts_of(r);
+    const PlacedStem* trunk = nullptr;
+    for (std::size_t i = 0; i < placed[r].size(); ++i) {
+      if (std::binary_search(posts.begin(), posts.end(), i)) {
+        post_radii.push_back(placed[r][i].stem.radius_m);
+        continue;
+      }
+      trunk_radii.push_back(placed[r][i].stem.radius_m);
+      if (trunk) trunk_gaps.push_back(placed[r][i].chainage_m - trunk->chainage_m);
+      trunk = &placed[r][i];
+    }
+  }
+  usual.trunk_spacing_m = median_of(trunk_gaps);
+  usual.post_radius_m = median_of(post_radii, usual.post_radius_m);
+  usual.trunk_radius_m = median_of(trunk_radii, usual.trunk_radius_m);
+}
+
 }  // namespace
 
 std::vector<PlacedStem> stems_of_row(const Row& row, std::span<const Stem> stems) {
@@ -166,26 +188,13 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
   const UsualSpacing spacing = usual_spacing(placed, witnesses, options.min_panel_m, options.max_panel_m);
   usual.spacing_m = report.panel_length_m = spacing.spacing_m;
   usual.regular = spacing.regular;
-  // Twice: what posts are like is known better once those that stand at the spacing are told from the rest.
+  // Twice: what posts are like is known better once those that stand at the spacing are separated from the rest.
   std::vector<PostChoice> choices(placed.size());
   for (int pass = 0; pass < 2; ++pass) {
-    std::vector<double> post_radii, trunk_radii, trunk_gaps;
-    for (std::size_t r = 0; r < placed.size(); ++r) {
-      const std::vector<std::size_t>& posts = pass == 0 ? sure[r] : choices[r].posts;
-      const PlacedStem* trunk = nullptr;
-      for (std::size_t i = 0; i < placed[r].size(); ++i) {
-        if (std::binary_search(posts.begin(), posts.end(), i)) {
-          post_radii.push_back(placed[r][i].stem.radius_m);
-          continue;
-        }
-        trunk_radii.push_back(placed[r][i].stem.radius_m);
-        if (trunk) trunk_gaps.push_back(placed[r][i].chainage_m - trunk->chainage_m);
-        trunk = &placed[r][i];
-      }
-    }
-    usual.trunk_spacing_m = median_of(trunk_gaps);
-    usual.post_radius_m = median_of(post_radii, usual.post_radius_m);
-    usual.trunk_radius_m = median_of(trunk_radii, usual.trunk_radius_m);
+    learn_usual(
+        placed,
+        [&](std::size_t r) -> const std::vector<std::size_t>& { return pass == 0 ? sure[r] : choices[r].posts; },
+        usual);
     for (std::size_t r = 0; r < placed.size(); ++r)
       choices[r] = choose_posts(placed[r], sure[r], usual, layout.rows[r].length_m());
   }
