@@ -95,6 +95,7 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
 
 }  // namespace
 
+// `rayfield add`: its arguments, options and help.
 void add_add_command(Commands& commands) {
   const auto arguments = std::make_shared<AddArguments>();
   CLI::App* command =

@@ -111,6 +111,7 @@ Result<Outcome> compare_two(const CompareArguments& arguments, const tile::Store
   return outcome;
 }
 
+// The whole season: a table of the block's dates, and every row's values for --json; with -o also the files.
 Result<Outcome> compare_all(const CompareArguments& arguments, const tile::Store& store, const Context& context) {
   std::optional<std::filesystem::path> folder;
   if (!arguments.folder.empty() && !context.options.dry_run) folder = arguments.folder;

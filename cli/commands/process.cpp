@@ -184,6 +184,7 @@ Result<Outcome> run_process(const ProcessArguments& arguments, const Context& co
 
 }  // namespace
 
+// `rayfield process`: its arguments, options and help. Flags are short names for options of docs/options.md.
 void add_process_command(Commands& commands) {
   const auto arguments = std::make_shared<ProcessArguments>();
   CLI::App* command =

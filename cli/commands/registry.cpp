@@ -34,6 +34,7 @@ struct Request {
   std::string action = "list", store, file;
 };
 
+// What the arguments ask for. Options that belong to another action are refused.
 Result<Request> request_of(const RegistryArguments& arguments) {
   std::vector<std::string> words{arguments.action_or_store};
   words.insert(words.end(), arguments.rest.begin(), arguments.rest.end());
@@ -76,6 +77,7 @@ void add_validity(ordered_json& json, const Product& product) {
   json["source"] = product.source;
 }
 
+// Rows, panels and posts with their names and dates, for --json.
 ordered_json json_of(const BlockProducts& block, const std::string& store) {
   ordered_json json = {{"store", store},
                        {"block", block.block},

@@ -21,6 +21,7 @@ bool is_processed(const tile::ScanEntry& scan) {
                      [](const tile::DerivedEntry& entry) { return entry.kind == "results"; });
 }
 
+// Everything that the store knows about one scan, for --json.
 ordered_json scan_json(const tile::ScanEntry& scan) {
   std::uint64_t bytes = 0, segments = 0;
   for (const tile::TileEntry& entry : scan.tiles) {

@@ -53,6 +53,7 @@ CLI::App* Commands::add(const std::string& name, const std::string& description,
   return command;
 }
 
+// Options that all commands have, declared once, so that help, manual and completion agree.
 void Commands::add_common_options(CLI::App& command) {
   command.add_flag("--json", options_.json, "Print exactly one JSON document on stdout")->group("Common");
   command

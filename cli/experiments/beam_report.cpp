@@ -32,6 +32,7 @@ constexpr std::size_t kColumns = 11;  // of the table of wide beams
 
 double sides(const BeamCell& cell) { return cell.diameter_m / std::sqrt(cell.leaf_area_m2); }
 
+// Options and results in full, for --json.
 ordered_json data_of(const BeamExperimentOptions& options, const BeamResult& result) {
   ordered_json data = {{"experiment", "beam"},
                        {"seed", options.seed},

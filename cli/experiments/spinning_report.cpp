@@ -84,6 +84,7 @@ std::string text_of(const SpinningOptions& options, const SpinningResult& result
          table.text() + "\n" + notes_text(notes());
 }
 
+// Error over eccentricity beside the paper's, one panel for trawling and one for spinning.
 ExperimentChart chart_of(const SpinningOptions& options, const SpinningResult& result) {
   ExperimentChart out{"spinning",
                       "Trawling and spinning lidar",

@@ -84,6 +84,7 @@ void add_knowledge(const std::optional<LidarBeam>& told, std::optional<LidarBeam
   if (told && told->same_disc(*beam) && !beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;
 }
 
+// One input as a stream of rays: a log goes through SLAM, a cloud must be in the store's CRS.
 Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
                                               const fs::path& scratch, int threads, Progress& progress,
                                               std::vector<std::string>& warnings,

@@ -59,6 +59,7 @@ class BagSink : public SensorSink {
   std::optional<Error> error_;
 };
 
+// Writes log, rig file, ray cloud and truth of one date into a folder that appears as a whole.
 Result<SimulatedScan> simulate_date(const sim::Site& site, std::size_t index, const std::filesystem::path& folder,
                                     const SimulationOutput& output, Progress& progress) {
   const sim::SiteDate& date = site.dates[index];

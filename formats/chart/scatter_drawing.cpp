@@ -140,6 +140,7 @@ class Column {
   double width_, unit_;
 };
 
+// The text beside the chart: counts of panels, total change, statistics and the key.
 void draw_column(Column column, const DateComparison& c, double unit) {
   column.heading("Panels");
   column.symbol(ChangeVerdict::gain, fmt::format("gain: {}", c.gains));

@@ -122,6 +122,7 @@ Result<void> add_crs(const BlockProducts& block, const std::string& path, ordere
   return {};
 }
 
+// A STAC Item: one scan with its maps as assets.
 Result<std::string> item_text(const BlockProducts& block, const StacItem& item, const std::string& collection_file,
                               const std::string& path) {
   const GdalSession gdal;
@@ -156,6 +157,7 @@ Result<std::string> item_text(const BlockProducts& block, const StacItem& item, 
   return document.dump(1) + "\n";
 }
 
+// The Collection of all Items, with their joint extent in space and time.
 Result<std::string> collection_text(const BlockProducts& block, std::span<const StacItem> items,
                                     const std::string& path) {
   const GdalSession gdal;

@@ -81,6 +81,8 @@ Grid2<double> supported_lows(const GroundCells& cells, const GroundOptions& opti
   return kept;
 }
 
+// The lowest strong peak of the cell's smoothed histogram of heights is the ground: what stands on it lies above, and
+// weaker peaks below are scatter. Refined to the mean of the hits around the peak.
 CellMode ground_mode(std::span<const LowBin> bins, double bin_m, double hull_m, const GroundOptions& options) {
   constexpr double kBelow = 0.06;       // m; the hull may lie above the ground by its facets' sag and its noise
   constexpr double kHalfWindow = 0.04;  // m; three standard deviations of a lidar's range noise

@@ -81,6 +81,8 @@ Result<RowLayout> with_posts(ScanWork& work, const SurveyedScan& surveyed, const
   return kept;
 }
 
+// One pass over the tiles finds stems along the known rows and the canopy map; rows in the map that are not known get
+// their posts in a second one.
 Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const RowLayout& known) {
   ScanEvidence evidence;
   RAYFIELD_ASSIGN(CanopyMap canopy, empty_canopy_map(work));

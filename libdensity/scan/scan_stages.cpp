@@ -148,6 +148,8 @@ Result<CanopyMap> empty_canopy_map(const ScanWork& work) {
   return CanopyMap(work.tile_size_m());
 }
 
+// One pass over the tiles for the canopy map, in which rows are found, and one for the stems along them, which become
+// posts, trunks and panels.
 Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
   FoundLayout found;
   RAYFIELD_ASSIGN(CanopyMap canopy, empty_canopy_map(work));

@@ -111,6 +111,8 @@ void RegistrationProblem::add_inertial(int first_group, int last_group, BlockSys
   }
 }
 
+// Robust weights (Cauchy) are scaled by the median residual, so that fixes which are all off by the same bias are not
+// all outliers.
 void RegistrationProblem::add_gps(double slack, BlockSystem& system, RegistrationStats& stats) const {
   std::vector<double> residual;
   std::vector<LinearResidual<3>> rows;
