@@ -30,7 +30,7 @@ bool told(const BeamCell& cell) { return cell.full_echo.value > 0; }
 
 constexpr std::size_t kColumns = 11;  // of the table of wide beams
 
-double sides(const BeamCell& cell) { return cell.diameter_m / std::sqrt(cell.leaf_area_m2); }
+double sides(const BeamCell& cell) { return cell.diameter_m / std::sqrt(cell.leaf_size_m2); }
 
 // Options and results in full, for --json.
 ordered_json data_of(const BeamExperimentOptions& options, const BeamResult& result) {
@@ -44,14 +44,14 @@ ordered_json data_of(const BeamExperimentOptions& options, const BeamResult& res
   data["thin"] = ordered_json::array();
   for (const ThinReference& thin : result.thin)
     data["thin"].push_back({{"density_m2_m3", thin.density_m2_m3},
-                            {"leaf_area_m2", thin.leaf_area_m2},
+                            {"leaf_area_m2", thin.leaf_size_m2},
                             {"voxel_m", thin.voxel_m},
                             {"known", mean_json(thin.known)},
                             {"measured", mean_json(thin.measured)}});
   data["cells"] = ordered_json::array();
   for (const BeamCell& cell : result.cells)
     data["cells"].push_back({{"density_m2_m3", cell.density_m2_m3},
-                             {"leaf_area_m2", cell.leaf_area_m2},
+                             {"leaf_area_m2", cell.leaf_size_m2},
                              {"detection_share", cell.detection_share},
                              {"diameter_m", cell.diameter_m},
                              {"voxel_m", cell.voxel_m},
@@ -60,7 +60,7 @@ ordered_json data_of(const BeamExperimentOptions& options, const BeamResult& res
                              {"measured", mean_json(cell.measured)},
                              {"full_echo_ratio", mean_json(cell.full_echo)},
                              {"detection_share_ratio", mean_json(cell.found_share)},
-                             {"leaf_area_ratio", mean_json(cell.found_leaf_area)},
+                             {"leaf_area_ratio", mean_json(cell.found_leaf_size)},
                              {"trials_not_told", cell.not_told}});
   data["notes"] = notes();
   return data;
@@ -69,18 +69,18 @@ ordered_json data_of(const BeamExperimentOptions& options, const BeamResult& res
 std::string text_of(const BeamExperimentOptions& options, const BeamResult& result) {
   TextTable thin({"m²/m³", "leaf, cm²", "voxel, cm", "thin rays, leaf size known", "leaf size measured"});
   for (const ThinReference& t : result.thin)
-    thin.add({fmt::format("{:g}", t.density_m2_m3), fmt::format("{:.0f}", 1e4 * t.leaf_area_m2),
+    thin.add({fmt::format("{:g}", t.density_m2_m3), fmt::format("{:.0f}", 1e4 * t.leaf_size_m2),
               fmt::format("{:.1f}", 100 * t.voxel_m), percent(t.known), percent(t.measured)});
   TextTable table({"m²/m³", "leaf, cm²", "share t", "beam, mm", "beam / leaf", "counted", "corrected, known",
                    "corrected, measured", "full echo found", "t found", "leaf found"});
   for (const BeamCell& cell : result.cells) {
     std::vector<std::string> line = {
-        fmt::format("{:g}", cell.density_m2_m3),     fmt::format("{:.0f}", 1e4 * cell.leaf_area_m2),
+        fmt::format("{:g}", cell.density_m2_m3),     fmt::format("{:.0f}", 1e4 * cell.leaf_size_m2),
         fmt::format("{:.2f}", cell.detection_share), fmt::format("{:.0f}", 1000 * cell.diameter_m),
         fmt::format("{:.2f}", sides(cell)),          percent(cell.counted)};
     if (told(cell)) {
       line.insert(line.end(), {percent(cell.known), percent(cell.measured)});
-      for (const experiments::Mean* found : {&cell.full_echo, &cell.found_share, &cell.found_leaf_area})
+      for (const experiments::Mean* found : {&cell.full_echo, &cell.found_share, &cell.found_leaf_size})
         line.push_back(fmt::format("{:.2f}", found->value));
     }
     line.resize(kColumns, "–");
@@ -100,11 +100,11 @@ formats::ChartPoint point(double x, const experiments::Mean& mean) {
 
 /// Leaves of one size and one detection share, by the diameter of the beam.
 formats::ChartPanel panel_of(const BeamResult& result, const ThinReference& thin, double share) {
-  formats::ChartPanel panel{fmt::format("{:.0f} cm², t = {:.2f}", 1e4 * thin.leaf_area_m2, share), {}};
+  formats::ChartPanel panel{fmt::format("{:.0f} cm², t = {:.2f}", 1e4 * thin.leaf_size_m2, share), {}};
   formats::ChartSeries counted{"counted", {}, {}}, known{"corrected, known", {}, {}},
       measured{"corrected, measured", {}, {}}, reference{"thin rays", {}, formats::SeriesMark::line};
   for (const BeamCell& cell : result.cells) {
-    if (cell.density_m2_m3 != thin.density_m2_m3 || cell.leaf_area_m2 != thin.leaf_area_m2 ||
+    if (cell.density_m2_m3 != thin.density_m2_m3 || cell.leaf_size_m2 != thin.leaf_size_m2 ||
         cell.detection_share != share)
       continue;
     const double x = 1000 * cell.diameter_m;

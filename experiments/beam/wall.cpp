@@ -16,7 +16,7 @@ constexpr double kAboveM = 0.1;                  // fans reach so far over and u
 constexpr double kFanSeconds = 0.01;
 
 /// Room for the rims of leaves around the box that holds their middles, and a voxel of empty space.
-double margin_of(double leaf_area_m2, double voxel_m) { return 0.75 * std::sqrt(leaf_area_m2) + voxel_m; }
+double margin_of(double leaf_size_m2, double voxel_m) { return 0.75 * std::sqrt(leaf_size_m2) + voxel_m; }
 
 int voxels_over(double length_m, double voxel_m) { return static_cast<int>(std::ceil(length_m / voxel_m)); }
 
@@ -52,19 +52,19 @@ std::vector<sim::Pulse> pulses_of(const BeamExperimentOptions& options, std::uin
 
 }  // namespace
 
-double fitted_voxel_m(double leaf_area_m2) {
+double fitted_voxel_m(double leaf_size_m2) {
   const density::VoxelFitOptions fit;
-  const double side = std::clamp(fit.leaf_sides * std::sqrt(leaf_area_m2), fit.min_m, fit.max_m);
+  const double side = std::clamp(fit.leaf_sides * std::sqrt(leaf_size_m2), fit.min_m, fit.max_m);
   return std::round(1000 * side) / 1000;
 }
 
-Result<Wall> build_wall(const BeamExperimentOptions& options, double density_m2_m3, double leaf_area_m2,
+Result<Wall> build_wall(const BeamExperimentOptions& options, double density_m2_m3, double leaf_size_m2,
                         std::uint64_t seed) {
   const Eigen::Vector3d size(options.length_m, options.thickness_m, options.height_m);
-  RAYFIELD_ASSIGN(sim::LeafBox leaves, sim::LeafBox::create({size, density_m2_m3, leaf_area_m2, seed}));
+  RAYFIELD_ASSIGN(sim::LeafBox leaves, sim::LeafBox::create({size, density_m2_m3, leaf_size_m2, seed}));
   density::VoxelBlock block;
-  block.voxel_m = fitted_voxel_m(leaf_area_m2);
-  const double margin = margin_of(leaf_area_m2, block.voxel_m);
+  block.voxel_m = fitted_voxel_m(leaf_size_m2);
+  const double margin = margin_of(leaf_size_m2, block.voxel_m);
   block.low_m = Eigen::Vector3d::Constant(-margin);
   block.n_along = voxels_over(size.x() + 2 * margin, block.voxel_m);
   block.n_across = voxels_over(size.y() + 2 * margin, block.voxel_m);

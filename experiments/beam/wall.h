@@ -15,10 +15,10 @@ struct Wall {
   std::vector<sim::Pulse> pulses;
   density::VoxelBlock block;
 };
-Result<Wall> build_wall(const BeamExperimentOptions& options, double density_m2_m3, double leaf_area_m2,
+Result<Wall> build_wall(const BeamExperimentOptions& options, double density_m2_m3, double leaf_size_m2,
                         std::uint64_t seed);
 
 /// Side of voxels that `process` fits to leaves of that size.
-double fitted_voxel_m(double leaf_area_m2);
+double fitted_voxel_m(double leaf_size_m2);
 
 }  // namespace rayfield::experiments

@@ -24,7 +24,7 @@ TriangleMesh random_leaves(const LeafBoxOptions& options, std::size_t count) {
     const Eigen::Vector3d normal = normals.draw(random);
     const Eigen::Vector3d long_axis =
         Eigen::AngleAxisd(random.uniform(0, 2 * std::numbers::pi), normal) * normal.unitOrthogonal();
-    add_leaf(mesh, middle.cwiseProduct(options.size_m), long_axis, normal.cross(long_axis), options.leaf_area_m2);
+    add_leaf(mesh, middle.cwiseProduct(options.size_m), long_axis, normal.cross(long_axis), options.leaf_size_m2);
   }
   return mesh;
 }
@@ -47,8 +47,8 @@ Result<void> LeafBoxOptions::validate() const {
   };
   if (!(size_m.minCoeff() >= 0.01 && size_m.maxCoeff() <= 100)) return refuse("size_m", "give 0.01 to 100 m");
   if (!(density_m2_m3 >= 0 && density_m2_m3 <= 100)) return refuse("density_m2_m3", "give 0 to 100 m²/m³");
-  if (!(leaf_area_m2 >= 1e-5 && leaf_area_m2 <= 1)) return refuse("leaf_area_m2", "give 0.00001 to 1 m²");
-  if (size_m.prod() * density_m2_m3 / leaf_area_m2 > 1e7) return refuse("density_m2_m3", "give at most 10⁷ leaves");
+  if (!(leaf_size_m2 >= 1e-5 && leaf_size_m2 <= 1)) return refuse("leaf_size_m2", "give 0.00001 to 1 m²");
+  if (size_m.prod() * density_m2_m3 / leaf_size_m2 > 1e7) return refuse("density_m2_m3", "give at most 10⁷ leaves");
   return {};
 }
 
@@ -56,8 +56,8 @@ Result<LeafBox> LeafBox::create(const LeafBoxOptions& options) {
   RAYFIELD_CHECK(options.validate());
   auto impl = std::make_shared<Impl>();
   impl->leaves =
-      static_cast<std::size_t>(std::lround(options.size_m.prod() * options.density_m2_m3 / options.leaf_area_m2));
-  impl->leaf_area_m2 = static_cast<double>(impl->leaves) * options.leaf_area_m2;
+      static_cast<std::size_t>(std::lround(options.size_m.prod() * options.density_m2_m3 / options.leaf_size_m2));
+  impl->leaf_area_m2 = static_cast<double>(impl->leaves) * options.leaf_size_m2;
   RAYFIELD_ASSIGN(impl->scene, RayScene::create());
   RAYFIELD_CHECK(impl->scene.add(random_leaves(options, impl->leaves), Material::leaf));
   RAYFIELD_CHECK(impl->scene.commit());

@@ -13,7 +13,7 @@ namespace {
 // of √(2a).
 TEST(Beam, EchoesThatAreCountedReadAsMuchMoreAsLeavesLookLarger) {
   BeamExperimentOptions options;
-  options.diameters_m = {0.01}, options.leaf_areas_m2 = {0.01}, options.detection_shares = {0.25};
+  options.diameters_m = {0.01}, options.leaf_sizes_m2 = {0.01}, options.detection_shares = {0.25};
   options.densities_m2_m3 = {0.6}, options.exit_share = 1;
   options.thickness_m = 0.2, options.fans = 2000, options.trials = 6;
   Progress progress;
@@ -34,7 +34,7 @@ class WideBeam : public testing::Test {
  protected:
   static BeamExperimentOptions options() {
     BeamExperimentOptions options;
-    options.diameters_m = {0.035}, options.leaf_areas_m2 = {0.004}, options.detection_shares = {0.25};
+    options.diameters_m = {0.035}, options.leaf_sizes_m2 = {0.004}, options.detection_shares = {0.25};
     options.densities_m2_m3 = {3}, options.fans = 300, options.trials = 3;
     return options;
   }

@@ -92,7 +92,7 @@ TEST(LeafBox, SameSeedsGiveTheSameRaysAndOthersOthers) {
 TEST(LeafBox, RefusesWhatIsOutOfRange) {
   EXPECT_EQ(LeafBox::create({{0, 1, 1}, 3, 0.006, 1}).error().where, "size_m");
   EXPECT_EQ(LeafBox::create({{1, 1, 1}, -1, 0.006, 1}).error().where, "density_m2_m3");
-  EXPECT_EQ(LeafBox::create({{1, 1, 1}, 3, 0, 1}).error().where, "leaf_area_m2");
+  EXPECT_EQ(LeafBox::create({{1, 1, 1}, 3, 0, 1}).error().where, "leaf_size_m2");
   EXPECT_EQ(LeafBox::create({{100, 100, 100}, 100, 1e-5, 1}).error().code, ErrorCode::usage) << "10¹³ leaves";
 }
 

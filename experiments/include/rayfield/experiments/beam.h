@@ -13,7 +13,7 @@ namespace rayfield::experiments {
 /// random leaves, seen from both sides as from a drive along it, through counting and estimating as `process` has them.
 struct BeamExperimentOptions {
   std::vector<double> diameters_m = {0.01, 0.02, 0.035, 0.05};  ///< of the beam at `distance_m`, 0.001–0.2
-  std::vector<double> leaf_areas_m2 = {0.004, 0.010};           ///< one-sided, of one leaf, 0.0005–0.05
+  std::vector<double> leaf_sizes_m2 = {0.004, 0.010};           ///< one-sided, of one leaf, 0.0005–0.05
   std::vector<double> detection_shares = {0.15, 0.25, 0.40};    ///< 0.01–0.9
   std::vector<double> densities_m2_m3 = {3, 8};  ///< one-sided leaf area per volume of the wall, 0.1–20
   /// Of the diameter at `distance_m`, what the beam has where it leaves the lidar, 0–1; the rest is divergence. 1: as
@@ -34,12 +34,12 @@ struct BeamExperimentOptions {
 
 /// Errors are estimated over true leaf area, less 1.
 struct BeamCell {
-  double density_m2_m3 = 0, leaf_area_m2 = 0, detection_share = 0, diameter_m = 0;
+  double density_m2_m3 = 0, leaf_size_m2 = 0, detection_share = 0, diameter_m = 0;
   double voxel_m = 0;  ///< fitted to the leaves, as `process` does
   Mean counted;        ///< every echo as the hit of a thin ray
   Mean known;          ///< corrected, with the true full echo, detection share and leaf size given
   Mean measured;       ///< corrected with what the echoes tell, as `process` does unless told
-  Mean full_echo, found_share, found_leaf_area;  ///< what the echoes told, over what is true
+  Mean full_echo, found_share, found_leaf_size;  ///< what the echoes told, over what is true
   /// Trials with too few echoes for the correction, which `process` then does without. They are
   /// in `counted` alone; where that are all trials the other means are 0.
   std::uint64_t not_told = 0;
@@ -47,14 +47,14 @@ struct BeamCell {
 
 /// Thin rays through the same walls: what the estimator does without a beam's width.
 struct ThinReference {
-  double density_m2_m3 = 0, leaf_area_m2 = 0, voxel_m = 0;
+  double density_m2_m3 = 0, leaf_size_m2 = 0, voxel_m = 0;
   Mean known;     ///< with the true leaf size given
   Mean measured;  ///< with the size that the rays tell
 };
 
 struct BeamResult {
-  std::vector<ThinReference> thin;  ///< by density, then by leaf area
-  std::vector<BeamCell> cells;      ///< by density, leaf area, detection share, diameter
+  std::vector<ThinReference> thin;  ///< by density, then by leaf size
+  std::vector<BeamCell> cells;      ///< by density, leaf size, detection share, diameter
 };
 
 /// Errors: usage, resources (memory), interrupted.

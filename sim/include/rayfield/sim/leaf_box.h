@@ -17,7 +17,7 @@ namespace rayfield::sim {
 struct LeafBoxOptions {
   Eigen::Vector3d size_m = {3, 0.6, 1.2};  ///< of the box from the origin on, 0.01–100 each
   double density_m2_m3 = 3;                ///< one-sided leaf area per volume, 0–100
-  double leaf_area_m2 = 0.006;             ///< one-sided, of one leaf, 10⁻⁵–1
+  double leaf_size_m2 = 0.006;             ///< one-sided, of one leaf, 10⁻⁵–1
   std::uint64_t seed = 1;                  ///< of the leaves
 
   Result<void> validate() const;
