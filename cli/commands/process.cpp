@@ -51,7 +51,7 @@ nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-// "plant area 27.3 m²"; what is undefined is never told as a number.
+// "plant area 27.3 m²"; undefined values are never printed as numbers.
 std::string plant_area_text(const density::ScanReport& scan) {
   const double percent = 100 * scan.observed_fraction;
   if (!std::isfinite(scan.plant_area_m2))
@@ -130,7 +130,7 @@ std::string scan_text(const density::ScanReport& scan) {
   return text;
 }
 
-// What was made of every scan; those that are as they were share a line unless all is to be told.
+// What was made of every scan; unchanged scans share a line, except with -v.
 std::string scans_text(const density::ProcessReport& report, bool all) {
   std::string text = fmt::format("{} rows, {} panels, {} posts{}\n", report.rows, report.panels, report.posts,
                                  report.layout_is_new ? " (found now, kept from now on)" : "");

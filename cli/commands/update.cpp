@@ -147,7 +147,7 @@ ordered_json failure_json(const BlockUpdate& block, const Error& error) {
             {"next", error.next}}}};
 }
 
-// Block after block; a failure is told and the next one is begun. Only Ctrl-C ends it before the last.
+// Block after block; a failure is reported and the next one begins. Only Ctrl-C ends it before the last.
 Result<Outcome> run_batch(const std::string& list, const Context& context) {
   RAYFIELD_ASSIGN(const std::string text, read_text_file(list, "cannot read list of blocks"));
   RAYFIELD_ASSIGN(const std::vector<BlockUpdate> blocks, parse_block_list(text, list));

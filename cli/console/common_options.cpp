@@ -35,7 +35,7 @@ void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const 
   command.add_option("--date", dates, meaning)
       ->type_name("DATE[,DATE...]")
       ->delimiter(',')
-      ->allow_extra_args(false);  // what follows is no date but, say, the store
+      ->allow_extra_args(false);  // what follows is not a date but, say, the store
 }
 
 CLI::App* Commands::add_plain(const std::string& name, const std::string& description, const std::string& example,

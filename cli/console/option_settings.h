@@ -31,7 +31,7 @@ CLI::Validator valid_for(const std::string& key) {
   return CLI::Validator(check, "");
 }
 
-/// The error of a key that none of `options` has tells which was probably meant; others stay as they are.
+/// Adds to the error of an unknown key the key that was probably meant; other errors stay as they are.
 Error with_similar_key(Error error, const std::vector<OptionDescription>& options);
 
 /// Applies settings in their order. Errors: usage, with the key.

@@ -20,7 +20,7 @@ struct RegisteredDrive {
   std::shared_ptr<const slam::Trajectory> trajectory;
   slam::SlamReport report;  ///< empty for a trajectory that was given
   std::vector<slam::GpsMark> gps;
-  std::optional<LidarBeam> beam;          ///< of the lidar, from the rig file and what the drive told of it
+  std::optional<LidarBeam> beam;          ///< of the lidar, from the rig file and as measured in the drive
   std::vector<std::string> log_warnings;  ///< damage, clock jumps, late messages
   std::unique_ptr<RaySource> rays;
 };

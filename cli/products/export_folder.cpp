@@ -45,7 +45,7 @@ Result<ExportFolder> ExportFolder::open(const fs::path& folder, const std::strin
   return ExportFolder(folder, block, keep, std::move(products));
 }
 
-// A list that cannot be read, or is of another version, is as good as none: everything is written.
+// A list that cannot be read, or is of another version, counts as none: everything is written.
 void ExportFolder::read_list() {
   const auto text = read_text_file((folder_ / list_name()).string(), kWhat);
   if (!text) return;

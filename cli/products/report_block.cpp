@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kWhat = "cannot write report";
 
-// The vines bear no leaves: the user says so, or the scan is the one whose wood the others are freed of.
+// The vines bear no leaves: the user says so, or it is the scan whose wood is subtracted from the others.
 bool is_dormant(const tile::ScanEntry& entry, const ScanProduct& product) {
   return entry.dormant.value_or(product.wood_scan_id == product.scan_id);
 }

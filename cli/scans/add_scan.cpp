@@ -78,7 +78,7 @@ Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& pr
   return tile::InputEntry{path.filename().string(), digest.size, std::move(digest.sha256)};
 }
 
-// What an input tells of the lidar's beam, where the rig file does not.
+// What an input says about the lidar's beam, where the rig file does not.
 void add_knowledge(const std::optional<LidarBeam>& told, std::optional<LidarBeam>& beam) {
   if (!beam) beam = told;
   if (told && told->same_disc(*beam) && !beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;

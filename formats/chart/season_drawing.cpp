@@ -87,7 +87,7 @@ void draw_curve(Canvas& canvas, const ChartFrame& frame, const Curve& curve, con
   }
 }
 
-/// The values above their points, where dates are few enough to tell whose is whose; else that of the last date.
+/// The values above their points, if there are few enough dates to keep them apart; else only that of the last date.
 void draw_numbers(Canvas& canvas, const ChartFrame& frame, const Curve& curve, double unit) {
   constexpr std::size_t kMost = 6;
   for (std::size_t i = curve.size() <= kMost ? 0 : curve.size() - 1; i < curve.size(); ++i) {

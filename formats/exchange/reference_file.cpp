@@ -70,7 +70,7 @@ class Fields {
   std::map<std::string, std::string> values_;
 };
 
-// A row's number and name. What stands in `row` and is no whole number is a name.
+// A row's number and name. Anything in `row` that is not a whole number is a name.
 struct RowLabel {
   std::optional<int> number;
   std::string name;
@@ -178,7 +178,7 @@ Result<void> take_layer(OGRLayer& layer, const OGRSpatialReference& crs, const s
   layer.ResetReading();
   while (const FeaturePtr feature{layer.GetNextFeature()}) {
     const Fields fields(*feature);
-    // What our own exports say is gone is no reference any more.
+    // Whatever our own exports mark as gone is not a reference any more.
     if (!fields.text({"valid_to"}).empty()) continue;
     if (const OGRGeometry* geometry = feature->GetGeometryRef()) RAYFIELD_CHECK(take(*geometry, fields, to_map, out));
     if (point_count(out) > kMostPoints)

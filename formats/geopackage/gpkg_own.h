@@ -6,7 +6,7 @@
 
 #include "formats/geopackage/gpkg_layers.h"
 
-/// What in a GeoPackage is rayfield's own, so that what users added to it is told apart.
+/// Which parts of a GeoPackage are rayfield's own, to distinguish them from what users added.
 namespace rayfield::formats::gpkg {
 
 /// What somebody else put into a GeoPackage of ours, by name.

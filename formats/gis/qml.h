@@ -38,7 +38,7 @@ LayerStyle graduated_style(const Graduated& options);
 
 /// A number in per cent of its mean on the same date, in seven classes around 90 … 110 %: which places are weak and
 /// which are strong on a date, whatever the season. `options.scale` is not used; nothing is drawn where the mean is not
-/// above 0. `date_key`: the column by which dates are told apart.
+/// above 0. `date_key`: the column that distinguishes dates.
 LayerStyle relative_style(const Graduated& options, std::string_view date_key);
 
 /// Polygons in one colour for each whole number of `column`.

@@ -52,7 +52,7 @@ std::string clean_text(std::string_view text) {
       continue;
     }
     const auto lead = static_cast<unsigned char>(text[0]);
-    // U+FFFE and U+FFFF are no characters and XML refuses them.
+    // U+FFFE and U+FFFF are not characters, and XML refuses them.
     const bool noncharacter = length == 3 && lead == 0xEF && static_cast<unsigned char>(text[1]) == 0xBF &&
                               static_cast<unsigned char>(text[2]) >= 0xBE;
     if (length == 1 && (lead < 0x20 || lead == 0x7F)) {

@@ -56,7 +56,7 @@ bool find_window(const Plan& plan, PlaneBox& box) {
   for (const PlanMarker& marker : plan.overlay.markers) extend(box, marker.position);
   for (const PlanLabel& label : plan.overlay.labels) extend(box, label.position);
   if (!box.low.allFinite() || !box.high.allFinite()) return false;
-  // Beyond any map; pixels could no longer be told apart.
+  // Beyond any map; pixels would no longer be distinct.
   if (box.low.minCoeff() < -1e9 || box.high.maxCoeff() > 1e9) return false;
   const double border = std::max(1.0, 0.03 * box.size().maxCoeff());
   box.low.array() -= border;

@@ -12,7 +12,7 @@
 namespace rayfield::formats {
 namespace {
 
-/// Values below this share of the lowest end are no canopy: grass, noise.
+/// Values below this share of the lowest end are not canopy: grass, noise.
 constexpr double kNothing = 0.01;
 constexpr double kShareAbove = 0.01;
 

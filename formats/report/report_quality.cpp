@@ -39,7 +39,7 @@ std::string coverage_text(const ScanResults& results, std::size_t panels) {
                      seen, panels, number(100 * observed / static_cast<double>(seen), 0));
 }
 
-// What the leaf areas were freed of, or hold.
+// What was subtracted from the leaf areas, or is still in them.
 std::string leaf_text(const BlockReport& report, const ReportScan& scan, const ScanProduct& product) {
   if (!product.leaf_note.empty()) return product.leaf_note;
   if (scan.dormant) return "dormant: the vines bear no leaves";

@@ -22,7 +22,7 @@ std::string number_cell(const std::string& text) { return "<td class=\"number\">
 struct SeenPanel {
   const PanelProduct* panel;
   const PanelValue* value;
-  const PanelChange* change;  // since the date before; null where it cannot be told
+  const PanelChange* change;  // since the date before; null if unknown
 };
 
 // Those with a value on the date in focus, the weakest per metre first.

@@ -7,7 +7,7 @@
 
 namespace rayfield::formats {
 
-/// "11 Feb 2019"; what is no date stays as it is.
+/// "11 Feb 2019"; anything that is not a date stays as it is.
 std::string date_text(const std::string& date);
 /// The same with the scan's name: "11 Feb 2019, veraison".
 std::string scan_label(const ScanProduct& scan);

@@ -22,7 +22,7 @@ std::string PointCloud2View::field_names() const {
 
 /// Reads the fields' descriptions and then checks once what the loops over points rely on: rows and fields lie inside.
 std::optional<PointCloud2View> decode_point_cloud2(std::span<const std::byte> message) {
-  // More fields than this no driver has; the count in the message cannot ask for more.
+  // No driver has more fields than this; the count in the message cannot ask for more.
   constexpr std::size_t kMaxFields = 256;
   ByteCursor cursor(message);
   PointCloud2View cloud;

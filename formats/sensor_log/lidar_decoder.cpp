@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kWhat = "cannot read lidar";
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-/// A sweep longer than this is no sweep: its times are wrong.
+/// A sweep longer than this is not a sweep: its times are wrong.
 constexpr double kLongestSweep_s = 10.0;
 /// Under no_return = max_range, ranges this close to it count as none: cartesian points round.
 constexpr double kMaxRangeShare = 1.0 - 1e-4;

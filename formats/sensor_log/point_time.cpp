@@ -36,7 +36,7 @@ Result<PointTime> PointTime::find(const PointCloud2View& cloud, std::int64_t sta
     time.factor_ = 1e-9;
     return time;
   }
-  // The size of the first usable value tells seconds of a sweep from seconds, microseconds or nanoseconds since 1970.
+  // The magnitude of the first usable value shows whether it is seconds of a sweep, or s, µs or ns since 1970.
   // Whole seconds are subtracted first, which is exact, so that the small difference keeps its digits.
   const std::int64_t whole_seconds = stamp_ns / 1'000'000'000;
   const auto whole_s = static_cast<double>(whole_seconds);

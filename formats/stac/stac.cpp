@@ -103,7 +103,7 @@ ordered_json asset_json(const StacAsset& asset) {
           {"raster:bands", ordered_json::array({band})}};
 }
 
-/// `proj:epsg` is null for systems without a code; those are told by their PROJJSON.
+/// `proj:epsg` is null for systems without a code; those are given as PROJJSON.
 Result<void> add_crs(const BlockProducts& block, const std::string& path, ordered_json& properties) {
   RAYFIELD_ASSIGN(const OGRSpatialReference crs, parse_crs(block.crs, kWhat, path));
   const char* authority = crs.GetAuthorityName(nullptr);

@@ -55,7 +55,7 @@ std::string known_lidar_models() {
 std::string_view model_in_name(std::string_view name) {
   const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
   for (std::size_t i = 0; i < name.size(); ++i) {
-    if (i > 0 && letter(name[i - 1])) continue;  // within a word: "/lidar_pos0" is no OS0
+    if (i > 0 && letter(name[i - 1])) continue;  // within a word: "/lidar_pos0" is not an OS0
     const std::string key = key_of(name.substr(i));
     for (const LidarModel& model : kModels)
       if (key.starts_with(model.name)) return model.name;

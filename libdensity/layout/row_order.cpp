@@ -28,7 +28,7 @@ bool points_backwards(const Eigen::Vector2d& u) {
   return nearly_east ? u.x() < 0 : u.y() < 0;
 }
 
-// Mean distance between two rows where they stand beside each other; nothing where they do not.
+// Mean distance between two rows where they run side by side; nothing where they do not.
 std::optional<double> mean_distance(const Row& a, const Row& b) {
   double sum = 0;
   int n = 0;

@@ -55,7 +55,7 @@ std::size_t nearest_stem(const std::vector<PlacedStem>& stems, const Eigen::Vect
   return nearest;
 }
 
-// Surveyed posts take what the scan shows of them; what else stands in the row and is no post by itself is a trunk.
+// Surveyed posts take what the scan shows of them; other stems of the row that are not posts by themselves are trunks.
 void see_posts(RowLayout& layout, const Row& row, const std::vector<PlacedStem>& stems) {
   std::set<std::size_t> posts;
   for (const std::size_t sure : sure_posts(stems)) posts.insert(sure);

@@ -149,7 +149,7 @@ Result<void> begin_scan(ScanInWork& scan, tile::Store::DerivedWriter& writer, Bl
   return process_plants(scan, writer, registry);
 }
 
-// Scans outside of this run whose leaf areas are no longer those that a run over all would give.
+// Scans outside this run whose leaf areas differ from what a run over all scans would give.
 Result<std::vector<std::string>> find_outdated(const tile::Store& store, const tile::Snapshot& snapshot,
                                                const std::list<ScanInWork>& scans,
                                                const std::vector<FailedScan>& failed, const BlockSeasons& seasons) {

@@ -10,7 +10,7 @@ namespace rayfield::density {
 /// within the canopy. Ascending.
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems);
 
-/// Indices of the stems that tell the spacing of the posts, ascending: sure posts, and stems between two vines that are
+/// Indices of the stems that show the spacing of the posts, ascending: sure posts, and stems between two vines that are
 /// one vine spacing apart (in dense canopy hardly anything else of a post is seen). NaN: the vine spacing is unknown.
 std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
                                            double trunk_spacing_m);

@@ -189,7 +189,7 @@ Result<Import> prepare(const tile::Store& store, const tile::Snapshot& snapshot,
   return import;
 }
 
-// Two rows of one number or name would be told apart by nobody.
+// Nobody could distinguish two rows of one number or name.
 Result<void> check_shown(const RowLayout& known, const Import& import, const std::string& source) {
   RowLayout shown = import.report.geometry_changed ? import.survey : known;
   apply_names(import.names, shown);

@@ -53,7 +53,7 @@ std::vector<Ridge> trace_all(const std::vector<Pass>& passes, const CanopyMap& c
   return ridges;
 }
 
-// Why a ridge is no row, taken alone; empty if it may be one.
+// Why a ridge, by itself, is not a row; empty if it may be one.
 std::string refuse(const Ridge& ridge, double driven, double usual_strength, const RowOptions& options) {
   if (ridge.tall_share > options.max_tall_share)
     return fmt::format("taller than vines along {:.0f} % of its length", 100 * ridge.tall_share);

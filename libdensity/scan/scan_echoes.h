@@ -30,7 +30,7 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options);
 
-/// What the echoes of the scan mean (kind "echoes"); nothing where they cannot tell.
+/// What the echoes of the scan mean (kind "echoes"); nothing if there are too few to say.
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
                                                 const CanopyProfile& profile, std::span<const WoodCylinder> wood,
                                                 const std::shared_ptr<const BeamView>& view);

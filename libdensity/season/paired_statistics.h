@@ -7,7 +7,7 @@
 /// season: what changes from date to date, computed from the products of a block.
 namespace rayfield::density {
 
-/// Over the pairs of which both values are finite. `a` and `b` have equal lengths. What cannot be told is NaN: means
+/// Over the pairs of which both values are finite. `a` and `b` have equal lengths. What is unknown is NaN: means
 /// without a pair, lines and r² with fewer than two pairs or without spread.
 ///   RRMSE = √(Σ(b−a)²/n) / (Σ(a+b)/2n)                                        (paper, "Robustness Experiment")
 ///   least squares: slope = S_ab/S_aa, r² = S_ab²/(S_aa·S_bb), S_xy = Σ(x−x̄)(y−ȳ)

@@ -87,7 +87,7 @@ class Derivation {
 
   tile::DerivedEntry entry(const std::string& kind, const std::string& name) const;
 
-  /// Whether these files are there, undamaged, and may be taken: not when everything is to be made anew.
+  /// Whether these files are there, undamaged, and may be used: not if everything is to be computed again.
   bool has_all(const std::vector<tile::DerivedEntry>& entries) const;
 
   /// Takes a file of the store into the set as it is.

@@ -94,7 +94,7 @@ struct TileVoxels {
   tile::TileIndex tile;
   std::vector<RowSegmentVoxels>
       row_segments;     ///< in the order given; row segments without a column in the tile are left out
-  LeafSizePairs pairs;  ///< of the hits counted here; summed over a scan they tell the leaves' size
+  LeafSizePairs pairs;  ///< of the hits counted here; summed over a scan they show the size of the leaves
 };
 
 struct RayPiece;

@@ -21,7 +21,7 @@ Result<void> SlamOptions::validate() const {
   RAYFIELD_CHECK(at_most("window.advance_s", window.advance_s, "half of window.length_s", window.length_s / 2));
   RAYFIELD_CHECK(at_most("poles.reach_m", poles.reach_m, "poles.max_reach_m", poles.max_reach_m));
   RAYFIELD_CHECK(at_most("global.coarse_knots", global.coarse_knots, "global.fine_knots", global.fine_knots));
-  // What one window of stage a sees at once is no return to a place.
+  // What one window of stage a sees at once is not a revisit.
   if (global.revisit_gap_s <= window.length_s)
     return fail(ErrorCode::usage, kCannotUse, "global.revisit_gap_s", "it must be larger than window.length_s");
   const double bins = window.advance_s / surfels.time_bin_s;

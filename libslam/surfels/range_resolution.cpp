@@ -10,7 +10,7 @@ namespace rayfield::slam {
 namespace {
 
 constexpr double kSteepSpot_m = 0.03;  // spots less deep than this give the ground's true height
-constexpr double kDeepSpot_m = 0.1;    // spots that can tell
+constexpr double kDeepSpot_m = 0.1;    // spots deep enough to show it
 constexpr std::size_t kMinDeepPairs = 200;
 constexpr double kUpright = 0.9;  // n_z of ground
 constexpr float kMaxVariance_m2 = 0.02f * 0.02f;

@@ -21,7 +21,7 @@ class WriterLock {
 };
 
 /// The number of the newest snapshot that was published, as the lock file notes it: of snapshots that are missing at
-/// the end of the history nothing else tells. 0: the store is new. Nothing in stores of earlier versions, or where the
+/// the end of the history nothing else shows. 0: the store is new. Nothing in stores of earlier versions, or where the
 /// note cannot be read.
 std::optional<std::uint64_t> last_published(const std::filesystem::path& store);
 /// Notes it, after the snapshot has become durable. A note that cannot be written leaves an older one, which says less

@@ -57,7 +57,7 @@ bool Pipeline::try_distribute(Lock& lock) {
   return true;
 }
 
-// False: there is no room until jobs have given theirs back.
+// False: no memory is free until jobs have returned theirs.
 Result<bool> Pipeline::distribute(Item& item, bool jobs_outstanding, std::vector<ChunkJob>& jobs) {
   if (!buffers_.has_room(item.clipped)) RAYFIELD_CHECK(buffers_.spill());
   if (!buffers_.has_room(item.clipped)) {

@@ -44,7 +44,7 @@ Result<void> CheckedFiles::check(const FileEntry& file) const {
 
 Result<std::vector<std::byte>> CheckedFiles::read(const FileEntry& file) const {
   const std::filesystem::path path = folder_ / file.path;
-  std::error_code ignored;  // reading tells
+  std::error_code ignored;  // reading will report it
   const std::uint64_t size = std::filesystem::file_size(path, ignored);
   if (!ignored && size != file.size) return file_damaged(path, "the file is not as long as it was written");
   auto bytes = read_file(path, "cannot read file of the store");

@@ -54,7 +54,7 @@ void find_missing(SnapshotChain& chain, const std::vector<std::uint64_t>& number
                                  : fmt::format("the snapshots {} to {} are missing", gap.first, gap.last)});
 }
 
-// Between a snapshot and its parent lie only those that are lost, or missing and told as such.
+// Between a snapshot and its parent lie only those that are lost, or missing and reported as such.
 void check_parents(SnapshotChain& chain) {
   for (const auto& [number, snapshot] : chain.intact) {
     const std::uint64_t before = number - 1;
@@ -69,7 +69,7 @@ void check_parents(SnapshotChain& chain) {
   }
 }
 
-// A store that does not know what it published, as those of earlier versions: scans without any snapshot tell.
+// A store that does not know what it published, as in earlier versions: scans without any snapshot show it.
 Result<bool> has_scans(const std::filesystem::path& store) {
   RAYFIELD_ASSIGN(const FileDescriptor folder, open_store_folder(store));
   RAYFIELD_ASSIGN(const FileDescriptor scans, open_folder_in(folder, layout::kScans, store / layout::kScans));

@@ -15,7 +15,7 @@ nlohmann::ordered_json to_json(const Snapshot& snapshot);
 /// Errors: damaged (missing keys, wrong types, paths that lead out of the store), bad_input (newer format).
 Result<Snapshot> snapshot_from_json(const nlohmann::ordered_json& json, const std::string& where);
 
-/// What alignment.json, which is kept with a scan, tells of its alignment; nothing where it is no such file.
+/// The alignment in alignment.json, which is kept with a scan; nothing if it is not such a file.
 std::optional<ScanAlignment> alignment_from_file(const std::string& text);
 
 nlohmann::ordered_json to_json(const StoreConfig& config);

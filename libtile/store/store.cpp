@@ -77,7 +77,7 @@ Result<void> write_config(const fs::path& folder, const StoreConfig& config) {
 
 }  // namespace
 
-// Making a store that is there already, with the same settings, is no error: a run that was interrupted after
+// Making a store that is there already, with the same settings, is not an error: a run that was interrupted after
 // store.json was linked is repeated with success.
 Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
   RAYFIELD_CHECK(config.validate());

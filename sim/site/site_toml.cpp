@@ -51,7 +51,7 @@ class TomlReader {
   void text(std::string_view key, std::string& value) {
     const toml::node* node = take(key);
     if (node == nullptr) return;
-    if (node->is_date()) {  // an unquoted TOML date is as good as its text
+    if (node->is_date()) {  // an unquoted TOML date counts as its text
       std::ostringstream out;
       out << *node->value<toml::date>();
       value = out.str();

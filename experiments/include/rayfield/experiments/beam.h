@@ -38,8 +38,8 @@ struct BeamCell {
   double voxel_m = 0;  ///< fitted to the leaves, as `process` does
   Mean counted;        ///< every echo as the hit of a thin ray
   Mean known;          ///< corrected, with the true full echo, detection share and leaf size given
-  Mean measured;       ///< corrected with what the echoes tell, as `process` does unless told
-  Mean full_echo, found_share, found_leaf_size;  ///< what the echoes told, over what is true
+  Mean measured;       ///< corrected with what the echoes show, as `process` does by default
+  Mean full_echo, found_share, found_leaf_size;  ///< estimated from the echoes, over the true value
   /// Trials with too few echoes for the correction, which `process` then does without. They are
   /// in `counted` alone; where that are all trials the other means are 0.
   std::uint64_t not_told = 0;
@@ -49,7 +49,7 @@ struct BeamCell {
 struct ThinReference {
   double density_m2_m3 = 0, leaf_size_m2 = 0, voxel_m = 0;
   Mean known;     ///< with the true leaf size given
-  Mean measured;  ///< with the size that the rays tell
+  Mean measured;  ///< with the leaf size estimated from the rays
 };
 
 struct BeamResult {

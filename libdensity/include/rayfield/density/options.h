@@ -106,7 +106,7 @@ struct LeafAngles {
   Result<void> validate() const;
 };
 
-/// Taking out the width of beams that are not thin, where the rig tells it (docs/beams.md).
+/// Correction for the width of beams that are not thin, where the rig states it (docs/beams.md).
 struct BeamOptions {
   bool enabled = true;
   double range_resolution_m = 0;

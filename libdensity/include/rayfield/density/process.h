@@ -46,7 +46,7 @@ struct ProcessReport {
 /// Runs ground ▸ rows ▸ voxels ▸ density ▸ panels ▸ rasters over the store's scans. Files that exist under the same
 /// key are kept. The layout (rows, posts, panels) is found in the first scan of the store that shows one and kept.
 /// Where the block has a dormant scan, its wood is subtracted from the plants of the others, once all are processed.
-/// A scan of which nothing can be made does not keep the others from theirs: it is in `failed`, unless all of them are.
+/// A scan that cannot be processed does not stop the others: it is listed in `failed`, unless all of them fail.
 /// Errors: usage (options, nothing added, unknown scan), bad_input (no rows found, with the reason), damaged,
 /// resources, locked, interrupted.
 Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options, const std::string& command,

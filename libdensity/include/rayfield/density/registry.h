@@ -14,7 +14,7 @@
 /// The registry of a block: rows, panels and posts with what they are called (docs/registry.md).
 namespace rayfield::density {
 
-/// What the user calls the block. Without a name of its own it goes by the store's folder.
+/// What the user calls the block. Without a name of its own it has that of the store's folder.
 struct BlockNames {
   std::string block, farm, variety;
 };

@@ -36,7 +36,7 @@ struct VoxelBlockDensity {
   std::vector<float> density_m2_m3;   ///< one-sided area per volume of each voxel; 0 where it is not known
   double area_m2 = 0;                 ///< one-sided, of all leaves in the block
   double leaf_size_m2 = 0;            ///< of one leaf, as used
-  std::optional<BlockEchoes> echoes;  ///< absent: thin beams, or echoes that do not tell and count as hits
+  std::optional<BlockEchoes> echoes;  ///< absent: thin beams, or too few echoes to correct, which count as hits
 };
 
 /// The density of leaves in a block from the rays that cross it, counted and estimated as process() does in the row
