@@ -25,41 +25,69 @@ constexpr double kStartM = 0.06, kNearbyM = 0.15;  // along the beam: for the pl
 constexpr double kSameDirection = 0.97;            // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
 constexpr double kWidestM = 0.3;  // of beams
+constexpr double kSlack = 1.0001;  // of distances that are only to leave out what is farther away
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 
 /// Echoes in square columns, sorted by column and height.
 class EchoColumns {
+  using Place = std::pair<int, int>;
+  struct Placed {
+    int ix, iy;
+    const LeafEcho* echo;
+    auto key() const {
+      return std::tuple(ix, iy, echo->position.z(), echo->position.x(), echo->position.y(), echo->intensity,
+                        echo->direction.x(), echo->direction.y());
+    }
+  };
+  struct Column {
+    int ix, iy;
+    std::size_t begin, end;  // numbers of its echoes
+    Place place() const { return {ix, iy}; }
+  };
+
  public:
-  EchoColumns(std::vector<LeafEcho>& echoes, float side_m) : side_m_(side_m) {
-    std::sort(echoes.begin(), echoes.end(), [this](const LeafEcho& a, const LeafEcho& b) {
-      const auto key = [this](const LeafEcho& e) {
-        return std::tuple(place(e), e.position.x(), e.position.y(), e.intensity, e.direction.x(), e.direction.y());
-      };
-      return key(a) < key(b);
-    });
-    echoes_ = echoes;
+  EchoColumns(std::span<const LeafEcho> echoes, float side_m) : side_m_(side_m) {
+    std::vector<Placed> placed;
+    placed.reserve(echoes.size());
+    for (const LeafEcho& e : echoes) placed.push_back({column_of(e.position.x()), column_of(e.position.y()), &e});
+    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.key() < b.key(); });
+    echoes_.reserve(echoes.size());
+    for (const Placed& p : placed) {
+      if (columns_.empty() || columns_.back().place() != Place(p.ix, p.iy))
+        columns_.push_back({p.ix, p.iy, echoes_.size(), 0});
+      echoes_.push_back(*p.echo), columns_.back().end = echoes_.size();
+    }
   }
-  /// Calls visit(number of the echo) for all that may be up to the side of a column away.
+  std::span<const LeafEcho> echoes() const { return echoes_; }
+
+  /// Calls visit(number of the echo), in the order of the numbers, for all that may be up to `reach_m` away.
   template <class Visit>
-  void for_near(const LeafEcho& echo, Visit visit) const {
-    const auto [ix, iy, z] = place(echo);
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const Place from{ix + dx, iy + dy, z - side_m_}, to{ix + dx, iy + dy, z + side_m_};
-        auto it = std::lower_bound(echoes_.begin(), echoes_.end(), from,
-                                   [this](const LeafEcho& e, const Place& p) { return place(e) < p; });
-        for (; it != echoes_.end() && place(*it) <= to; ++it) visit(static_cast<std::size_t>(it - echoes_.begin()));
+  void for_near(const Eigen::Vector3f& position, float reach_m, Visit visit) const {
+    const Eigen::Array3f low = position.array() - reach_m, high = position.array() + reach_m;
+    for (int ix = column_of(low.x()); ix <= column_of(high.x()); ++ix) {
+      auto column = std::lower_bound(columns_.begin(), columns_.end(), Place(ix, column_of(low.y())),
+                                     [](const Column& c, const Place& at) { return c.place() < at; });
+      for (; column != columns_.end() && column->ix == ix && column->iy <= column_of(high.y()); ++column) {
+        const auto end = echoes_.begin() + static_cast<std::ptrdiff_t>(column->end);
+        auto it = std::lower_bound(echoes_.begin() + static_cast<std::ptrdiff_t>(column->begin), end, low.z(),
+                                   [](const LeafEcho& e, float z) { return e.position.z() < z; });
+        for (; it != end && it->position.z() <= high.z(); ++it)
+          if ((it->position - position).squaredNorm() <= reach_m * reach_m)
+            visit(static_cast<std::size_t>(it - echoes_.begin()));
       }
+    }
   }
 
  private:
-  using Place = std::tuple<int, int, float>;
-  Place place(const LeafEcho& e) const {
-    return {floor_int(e.position.x() / side_m_), floor_int(e.position.y() / side_m_), e.position.z()};
-  }
-  std::span<const LeafEcho> echoes_;
+  int column_of(float metres) const { return floor_int(static_cast<double>(metres / side_m_)); }
+
   float side_m_;
+  std::vector<LeafEcho> echoes_;
+  std::vector<Column> columns_;
 };
+
+/// How far away, across the beam and along it, an echo's neighbours are at most.
+double reach_of(double width_m) { return std::hypot(kRingTo * width_m, kNearbyM); }
 
 /// An echo near another one, seen along the other's beam.
 struct Neighbour {
@@ -169,17 +197,18 @@ Contrast contrast(std::span<const FullEcho> echoes, float FullEcho::*instrument,
 
 }  // namespace
 
-std::vector<FullEcho> find_full_echoes(std::vector<LeafEcho> echoes) {
+std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
   double widest_m = kNarrowestM;
-  for (const LeafEcho& e : echoes) widest_m = std::max(widest_m, static_cast<double>(e.width_m));
-  // No neighbour is farther away, across the beam and along it.
-  const EchoColumns columns(echoes, static_cast<float>(std::hypot(kRingTo * std::min(widest_m, kWidestM), kNearbyM)));
+  for (const LeafEcho& e : all) widest_m = std::max(widest_m, static_cast<double>(e.width_m));
+  const EchoColumns columns(all, static_cast<float>(reach_of(std::min(widest_m, kWidestM))));
+  const std::span<const LeafEcho> echoes = columns.echoes();
   std::vector<FullEcho> out;
   std::vector<Neighbour> neighbours;
   for (std::size_t i = 0; i < echoes.size(); ++i) {
     const LeafEcho& echo = echoes[i];
     const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
     const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
+    const double farthest = kSlack * kRingTo * width_m;
     neighbours.clear();
     const auto visit = [&](std::size_t j) {
       const Eigen::Vector3f to = echoes[j].position - echo.position;
@@ -188,10 +217,11 @@ std::vector<FullEcho> find_full_echoes(std::vector<LeafEcho> echoes) {
           static_cast<double>(echoes[j].direction.dot(echo.direction)) <= kSameDirection)
         return;
       const auto x = static_cast<double>(to.dot(across)), y = static_cast<double>(to.dot(third));
+      if (x * x + y * y > farthest * farthest) return;
       const double distance = std::hypot(x, y) / width_m;
       if (distance < kRingTo) neighbours.push_back({x, y, along, distance, j % 2 == 0});
     };
-    columns.for_near(echo, visit);
+    columns.for_near(echo.position, static_cast<float>(kSlack * reach_of(width_m)), visit);
     FullEcho full{echo.intensity};
     if (is_full(neighbours, full)) out.push_back(full);
   }

@@ -28,7 +28,7 @@ struct FullEcho {
 /// The full echoes among those of one place: an echo is full when all round it, just outside its beam, other beams from
 /// about the same direction ended on one plane through it, and none inside ended elsewhere. In no order that depends on
 /// that of the echoes.
-std::vector<FullEcho> find_full_echoes(std::vector<LeafEcho> echoes);
+std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all);
 
 /// What full echoes tell.
 struct FullEchoStrength {
