@@ -17,7 +17,8 @@ inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
 Result<std::string> read_text_file(const std::string& path, std::string_view what);
 
 /// TOML allows no control characters but tab and line ends, and toml++ 3.3 takes it for granted in places that none
-/// comes: every text goes through here before it. Errors: usage, with the line.
+/// comes; keys of thousands of parts end it for want of stack. Every text goes through here before it. Errors: usage,
+/// with the line.
 Result<void> check_toml_text(std::string_view text, std::string_view what, const std::string& name,
                              std::string_view next = {});
 
