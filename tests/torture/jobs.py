@@ -54,7 +54,8 @@ JOBS = {job.name: job for job in (
     Job("compare", "whole", lambda lab, store, out: ("compare", store, *DATES, "-o", out / "changes", "-q")),
     Job("zones", "whole", lambda lab, store, out: ("zones", store, "-o", out / "zones", "-q")),
     Job("registry export", "whole", lambda lab, store, out:
-        ("registry", "export", store, "-o", out / "rows.geojson", "-q")),
+        ("registry", "export", store, "-o", out / "rows.geojson", "-q"), again=lambda lab, store, out:
+        ("registry", "export", store, "-o", out / "rows.geojson", "-q", "--overwrite")),
     Job("registry rename", "whole", lambda lab, store, out:
         ("registry", "rename", store, "--block", "hill", "--row", "1=Row 7", "-q"), tidy=True),
     Job("gc", "littered", lambda lab, store, out: ("gc", store, "-q")),
