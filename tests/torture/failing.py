@@ -63,8 +63,9 @@ def failing_run(lab, job, calls, how, nth):
     """(outcome, whether it happened, store, products): a run in which a call fails, or kills."""
     store, products = folders(lab, job)
     log = lab.folder / "strace.log"
+    quick = ("--seccomp-bpf",) if not how.startswith("signal") else ()  # with it strace sends no signals
     outcome = lab.run(*job.line(lab, store, products),
-                      prefix=("strace", "-f", "-qq", "--seccomp-bpf", "-o", log, "-e", f"trace={calls}",
+                      prefix=("strace", "-f", "-qq", *quick, "-o", log, "-e", f"trace={calls}",
                               f"-einject={calls}:{how}:when={nth}"))
     text = log.read_text(errors="replace")
     return outcome, "(INJECTED)" in text or outcome.code == 128 + signal.SIGKILL, store, products
