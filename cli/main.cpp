@@ -5,6 +5,7 @@
 #include <csignal>
 #include <exception>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "cli/commands/commands.h"
@@ -86,6 +87,11 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return report({ErrorCode::resources, "out of memory", "", "an allocation failed",
                    "give a smaller --memory or fewer --threads"},
+                  false);
+  } catch (const std::system_error& e) {  // of a library, or of a call that was not expected to fail
+    const rayfield::Error error = rayfield::fail_errno(e.code().value(), "a system call failed", "").value();
+    if (error.code == ErrorCode::resources) return report(error, false);
+    return report({ErrorCode::internal, "internal error", "", e.what(), "please report this with the command line"},
                   false);
   } catch (const std::exception& e) {
     return report({ErrorCode::internal, "internal error", "", e.what(), "please report this with the command line"},

@@ -7,6 +7,6 @@ cd "$(dirname "$0")/.."
 minutes=${1:-10}
 [ $# -gt 0 ] && shift
 scripts/setup.sh user test check
-scripts/build.sh release --target rayfield
+scripts/build.sh release --target rayfield store_damage
 folder=$(mktemp -u "${TMPDIR:-/tmp}/rayfield-torture.XXXXXX")
 exec python3 tests/torture/torture.py build/release/cli/rayfield "$folder" --minutes "$minutes" "$@"

@@ -25,6 +25,18 @@ Result<void> check_place(const SurveyedBlock& survey, const std::string& crs, Pr
   return {};
 }
 
+// A store without scans that has the same settings may be what an earlier run has left that was stopped, or that could
+// not make it durable: the same command goes on. Any other store is refused.
+Result<void> check_free(const std::string& folder, const tile::StoreConfig& config) {
+  if (!std::filesystem::exists(std::filesystem::path(folder) / "store.json")) return {};
+  RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(folder));
+  RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
+  if (latest.scans.empty() && store.config().crs == config.crs && store.config().tile_size_m == config.tile_size_m)
+    return {};
+  return fail(ErrorCode::usage, "cannot make a store", folder, "there is one already",
+              "see `rayfield status`, or give another folder");
+}
+
 // Reads the reference before the store is made: what is wrong with it must not leave a store behind.
 Result<Outcome> run_init(const std::string& folder, tile::StoreConfig config, const std::string& reference,
                          const Context& context) {
@@ -32,9 +44,7 @@ Result<Outcome> run_init(const std::string& folder, tile::StoreConfig config, co
   RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(config.crs));
   RAYFIELD_CHECK(check_crs_scale(crs.code));
   config.crs = crs.code;
-  if (std::filesystem::exists(std::filesystem::path(folder) / "store.json"))
-    return fail(ErrorCode::usage, "cannot make a store", folder, "there is one already",
-                "see `rayfield status`, or give another folder");
+  RAYFIELD_CHECK(check_free(folder, config));
   std::optional<SurveyedBlock> survey;
   if (!reference.empty()) {
     RAYFIELD_ASSIGN(survey, formats::read_reference_file(reference, config.crs));

@@ -69,6 +69,9 @@ Result<formats::PlyWriter> write_rays(RegisteredDrive& drive, const SlamArgument
     if (progress.cancelled())
       return fail(ErrorCode::interrupted, "interrupted", arguments.cloud, "", "run the same command again");
   }
+  if (cloud.ray_count() == 0)
+    return fail(ErrorCode::bad_input, "cannot make a ray cloud", arguments.log,
+                "none of its rays was measured while the trajectory lasts", "give the trajectory of this log");
   return cloud;
 }
 

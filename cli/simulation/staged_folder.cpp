@@ -20,8 +20,10 @@ constexpr const char* kWhat = "cannot make folder";
 Result<void> move_files(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   std::vector<fs::path> files;
-  for (fs::recursive_directory_iterator it(from, failed), end; !failed && it != end; it.increment(failed))
+  for (fs::recursive_directory_iterator it(from, failed), end; !failed && it != end; it.increment(failed)) {
     if (it->is_regular_file(failed)) files.push_back(it->path().lexically_relative(from));
+    if (failed) break;  // before increment() forgets it
+  }
   for (const fs::path& file : files) {
     if (!failed) fs::create_directories((to / file).parent_path(), failed);
     if (!failed) fs::rename(from / file, to / file, failed);

@@ -25,11 +25,19 @@ struct PjDeleter {
 using ContextPtr = std::unique_ptr<PJ_CONTEXT, ContextDeleter>;
 using PjPtr = std::unique_ptr<PJ, PjDeleter>;
 
+// Whether PROJ has complained of its database in this thread: its functions give nothing then, as for a CRS that it
+// does not know.
+thread_local bool database_failed = false;
+
 ContextPtr make_context() {
   ContextPtr context(proj_context_create());
-  // Where PROJ cannot open its database it speaks in spite of PJ_LOG_NONE.
-  proj_log_func(context.get(), nullptr, [](void* /*app*/, int /*level*/, const char* /*text*/) {});
-  proj_log_level(context.get(), PJ_LOG_NONE);
+  // Nothing reaches stderr.
+  proj_log_func(context.get(), nullptr, [](void* /*app*/, int /*level*/, const char* text) {
+    const std::string_view said = text == nullptr ? "" : text;
+    if (said.find("SQLite error") != std::string_view::npos || said.find("proj.db") != std::string_view::npos)
+      database_failed = true;
+  });
+  proj_log_level(context.get(), PJ_LOG_ERROR);
   proj_context_set_enable_network(context.get(), 0);
   return context;
 }
@@ -40,11 +48,12 @@ tl::unexpected<Error> bad_crs(const std::string& code, std::string_view why) {
       "give a projected CRS in metres, e.g. EPSG:7854 (GDA2020 / MGA zone 54) or EPSG:32633 (WGS 84 / UTM zone 33N)");
 }
 
-// Why a CRS could not be made: no file descriptor or no memory for PROJ's database says nothing about the CRS.
+// Why a CRS could not be made: a database that cannot be opened or read says nothing about the CRS.
 Error unknown_crs(PJ_CONTEXT* context, const std::string& code) {
-  if (proj_context_get_database_path(context) != nullptr) return bad_crs(code, "PROJ does not know it").value();
+  if (proj_context_get_database_path(context) != nullptr && !database_failed)
+    return bad_crs(code, "PROJ does not know it").value();
   return fail(ErrorCode::resources, "cannot look up coordinate reference system", code,
-              "PROJ cannot open its database, proj.db",
+              "PROJ cannot read its database, proj.db",
               "check that the package proj-data is installed, that PROJ_LIB, where set, names its folder, and that "
               "files can be opened (ulimit -n)")
       .value();
@@ -87,6 +96,7 @@ PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
 }
 
 Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
+  database_failed = false;
   PjPtr crs(proj_create(context, trimmed(code).c_str()));
   if (!crs) return tl::make_unexpected(unknown_crs(context, code));
   if (!proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");

@@ -48,7 +48,7 @@ Result<std::string> geojson(const BlockProducts& block, const std::string& path)
   RAYFIELD_ASSIGN(OGRSpatialReference wgs84, parse_crs("EPSG:4326", kWhat, path));
   const TransformPtr to_wgs84(OGRCreateCoordinateTransformation(&crs, &wgs84));
   if (to_wgs84 == nullptr)
-    return fail(ErrorCode::usage, kWhat, path, "no way from " + block.crs + " to longitude and latitude");
+    return crs_failure(kWhat, path, "no way from " + block.crs + " to longitude and latitude", "");
   std::string features;
   const auto begin = [&features](const std::string& uid) {
     features += fmt::format("{}\n{{\"type\":\"Feature\",\"id\":{},", features.empty() ? "" : ",", json_string(uid));

@@ -19,6 +19,12 @@ void register_once() {
   });
 }
 
+// PROJ could not open or read proj.db, which says nothing about what it was asked for.
+bool about_proj_database(std::string_view message) {
+  return message.find("proj.db") != std::string_view::npos ||
+         (message.find("PROJ") != std::string_view::npos && message.find("SQLite error") != std::string_view::npos);
+}
+
 bool about_resources(CPLErrorNum number, std::string_view message) {
   if (number == CPLE_FileIO || number == CPLE_OutOfMemory || number == CPLE_NoWriteAccess) return true;
   constexpr std::array<std::string_view, 11> kSigns = {
@@ -58,7 +64,17 @@ void CPL_STDCALL GdalSession::on_error(CPLErr severity, CPLErrorNum number, cons
   session->number_ = number;
 }
 
+tl::unexpected<Error> crs_failure(std::string_view what, std::string_view where, std::string_view why,
+                                  std::string_view next) {
+  if (!about_proj_database(CPLGetLastErrorMsg())) return fail(ErrorCode::usage, what, where, why, next);
+  return fail(ErrorCode::resources, what, where, "PROJ cannot read its database, proj.db",
+              "check that the package proj-data is installed, and that files can be opened (ulimit -n) and read");
+}
+
 tl::unexpected<Error> GdalSession::failure(std::string_view what, std::string_view where) const {
+  if (failed() && about_proj_database(message_))
+    return fail(ErrorCode::resources, what, where, "PROJ cannot read its database, proj.db",
+                "check that files can be opened (ulimit -n) and read");
   if (failed() && about_resources(number_, message_)) {
     return fail(ErrorCode::resources, what, where, message_, "check space and permissions of the folder");
   }
@@ -68,10 +84,11 @@ tl::unexpected<Error> GdalSession::failure(std::string_view what, std::string_vi
 Result<OGRSpatialReference> parse_crs(const std::string& crs, std::string_view what, std::string_view where) {
   OGRSpatialReference reference;
   reference.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  CPLErrorReset();
   if (crs.empty() || reference.SetFromUserInput(
                          crs.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE) {
-    return fail(ErrorCode::usage, what, where, "unknown coordinate reference system '" + crs + "'",
-                "give a projected CRS such as EPSG:7854");
+    return crs_failure(what, where, "unknown coordinate reference system '" + crs + "'",
+                       "give a projected CRS such as EPSG:7854");
   }
   return reference;
 }

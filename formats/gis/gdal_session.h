@@ -44,7 +44,10 @@ struct DatasetCloser {
 };
 using DatasetPtr = std::unique_ptr<GDALDataset, DatasetCloser>;
 
-/// A CRS from "EPSG:7854", WKT or PROJJSON, with easting first. Files and URLs are refused. Errors: usage.
+/// The failure of what PROJ has just been asked for: resources, where it could not read its database, else usage.
+tl::unexpected<Error> crs_failure(std::string_view what, std::string_view where, std::string_view why,
+                                  std::string_view next);
+/// A CRS from "EPSG:7854", WKT or PROJJSON, with easting first. Files and URLs are refused. Errors: usage, resources.
 Result<OGRSpatialReference> parse_crs(const std::string& crs, std::string_view what, std::string_view where);
 
 }  // namespace rayfield::formats

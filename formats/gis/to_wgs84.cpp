@@ -13,7 +13,7 @@ Result<ToWgs84> ToWgs84::create(const std::string& crs, std::string_view what, s
   result.what_ = what, result.where_ = where;
   result.transform_.reset(OGRCreateCoordinateTransformation(&from, &wgs84));
   if (result.transform_ == nullptr)
-    return fail(ErrorCode::usage, what, where, "no way from " + crs + " to longitude and latitude");
+    return crs_failure(what, where, "no way from " + crs + " to longitude and latitude", "");
   return result;
 }
 

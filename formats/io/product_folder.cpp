@@ -23,8 +23,10 @@ namespace {
 Result<std::vector<std::string>> names_in(const StagedOutput& staged) {
   std::vector<std::string> names;
   std::error_code error;
-  for (fs::directory_iterator it(staged.path(""), error), end; !error && it != end; it.increment(error))
+  for (fs::directory_iterator it(staged.path(""), error), end; !error && it != end; it.increment(error)) {
     if (it->is_regular_file(error)) names.push_back(it->path().filename().string());
+    if (error) break;  // before increment() forgets it: a product would be missing without a word
+  }
   if (error) return fail_errno(error.value(), staged.what(), staged.target());
   std::sort(names.begin(), names.end());
   return names;

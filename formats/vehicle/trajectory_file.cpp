@@ -20,6 +20,8 @@ constexpr const char* kRead = "cannot read trajectory";
 constexpr const char* kWrite = "cannot write trajectory";
 constexpr double kUnitTolerance = 1e-3;
 constexpr std::size_t kLongestLine = 4096;
+// Places and times that a store could hold (docs/store-format.md, "Geometry").
+constexpr double kFarthest_m = 1e8, kHighest_m = 1e5, kLatest_s = 1e11;
 
 /// The eight numbers of a line; nothing where there are fewer, more or other things.
 std::optional<std::array<double, 8>> parse_pose(std::string_view line) {
@@ -62,6 +64,10 @@ Result<void> take_line(std::string_view line, const std::string& where, Trajecto
     return fail(ErrorCode::bad_input, kRead, where, "not the eight numbers t x y z qx qy qz qw",
                 "give a trajectory in TUM format");
   }
+  if (!(std::abs((*v)[1]) <= kFarthest_m && std::abs((*v)[2]) <= kFarthest_m && std::abs((*v)[3]) <= kHighest_m &&
+        std::abs((*v)[0]) <= kLatest_s))
+    return fail(ErrorCode::bad_input, kRead, where, "its time or place is none on Earth",
+                "give times in seconds since 1970 and places in metres");
   const Eigen::Quaterniond rotation((*v)[7], (*v)[4], (*v)[5], (*v)[6]);
   if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance)) {
     return fail(ErrorCode::bad_input, kRead, where, "the quaternion is not unit");

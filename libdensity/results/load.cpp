@@ -173,6 +173,7 @@ Result<std::vector<SectionProduct>> load_sections(const tile::Store& store, cons
     if (section.name.rfind(name_prefix, 0) != 0 || (row_number && section.row_number != *row_number)) continue;
     section.grid.values.resize(size);
     RAYFIELD_CHECK(stored.read(kSectionValues, begin, section.grid.values));
+    RAYFIELD_CHECK(check_map_values(section.grid.values, section.name));
     wanted.push_back(std::move(section));
   }
   return wanted;
@@ -188,10 +189,13 @@ const RasterProduct& StoredRaster::product() const { return impl_->product; }
 
 Result<void> StoredRaster::read_rows(int iy_begin, int row_count, std::span<float> values) const {
   const auto nx = static_cast<std::size_t>(impl_->product.grid.nx);
+  const auto read = [&](std::uint64_t first, std::span<float> part) -> Result<void> {
+    RAYFIELD_CHECK(impl_->stored.read(kRasterValues, first, part));
+    return check_map_values(part, impl_->product.name);
+  };
   for (int row = 0; row < row_count; ++row)
-    RAYFIELD_CHECK(impl_->fitted.read_row(
-        iy_begin + row, values.subspan(static_cast<std::size_t>(row) * nx, nx),
-        [&](std::uint64_t first, std::span<float> part) { return impl_->stored.read(kRasterValues, first, part); }));
+    RAYFIELD_CHECK(
+        impl_->fitted.read_row(iy_begin + row, values.subspan(static_cast<std::size_t>(row) * nx, nx), read));
   return {};
 }
 

@@ -1,6 +1,8 @@
 #include "libdensity/results/results_io.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -43,6 +45,8 @@ Result<Grid2<float>> grid_from(const json& description, std::uint64_t& left, con
   grid.nx = description.at("nx").get<int>();
   grid.ny = description.at("ny").get<int>();
   if (grid.nx < 0 || grid.ny < 0) return damaged(what, "a grid has a negative size");
+  if (!grid.origin.allFinite() || !std::isfinite(grid.cell_m) || grid.cell_m <= 0)
+    return damaged(what, "a grid has no place or no cells");
   const std::uint64_t count = static_cast<std::uint64_t>(grid.nx) * static_cast<std::uint64_t>(grid.ny);
   if (count > left) return damaged(what, "a grid is cut short");
   left -= count;
@@ -267,6 +271,12 @@ Result<RasterProduct> raster_of(const tile::ArraySet& header, std::uint64_t valu
   } catch (const json::exception& e) {
     return damaged("raster", e.what());
   }
+}
+
+Result<void> check_map_values(std::span<const float> values, const std::string& name) {
+  if (std::any_of(values.begin(), values.end(), [](float value) { return std::isinf(value); }))
+    return damaged(name, "a value is infinite");
+  return {};
 }
 
 }  // namespace rayfield::density

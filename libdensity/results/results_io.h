@@ -1,6 +1,7 @@
 #pragma once
 /// results: the values of a scan as the store keeps them.
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,8 @@ tile::StreamedArrays raster_to_arrays(const RasterProduct& raster, tile::ColumnS
 inline constexpr const char* kRasterValues = "values";
 /// Everything but the values. Errors: damaged, also when there are not as many values as it has cells.
 Result<RasterProduct> raster_of(const tile::ArraySet& header, std::uint64_t value_count);
+
+/// Values of maps and sections are numbers or NaN. Errors: damaged, with `name`, where one is infinite.
+Result<void> check_map_values(std::span<const float> values, const std::string& name);
 
 }  // namespace rayfield::density

@@ -26,7 +26,8 @@ Result<FileDescriptor> open_lock(const FileDescriptor& store, const std::filesys
   FileDescriptor file(
       ::openat(store.get(), layout::kLock, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666));
   struct stat status {};
-  if (file.valid() && ::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode)) return file;
+  if (file.valid() && ::fstat(file.get(), &status) != 0) return fail_io(errno, "cannot lock the store", path);
+  if (file.valid() && S_ISREG(status.st_mode)) return file;
   if (file.valid() || errno == ELOOP || errno == EISDIR || errno == ENXIO)
     return fail(ErrorCode::damaged, "cannot lock the store", path.string(),
                 "it is a link or something else than a file", "remove it, the next command makes it anew");

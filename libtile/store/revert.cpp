@@ -21,6 +21,8 @@ Result<void> check_files(const std::filesystem::path& store, const Snapshot& sna
   for (const FileEntry* file : snapshot.files()) {
     std::error_code error;
     const std::uint64_t size = std::filesystem::file_size(store / file->path, error);
+    if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory)
+      return fail_errno(error.value(), "cannot revert the store", (store / file->path).string());
     if (error || size != file->size) gone.push_back(file->path);
   }
   if (gone.empty()) return {};

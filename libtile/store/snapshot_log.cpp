@@ -52,8 +52,9 @@ Result<std::vector<std::uint64_t>> snapshot_numbers(const std::filesystem::path&
     const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
     if (bad == std::errc() && number > 0 && name == layout::snapshot_file_name(number)) numbers.push_back(number);
   }
-  if (error)
+  if (error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory)
     return fail(ErrorCode::damaged, "cannot read the store", folder.string(), error.message(), "run `rayfield verify`");
+  if (error) return fail_io(error.value(), "cannot read the store", folder);
   std::sort(numbers.begin(), numbers.end());
   return numbers;
 }

@@ -116,7 +116,9 @@ Result<Store> Store::open(const fs::path& folder) {
   if (!is_folder)
     return fail(ErrorCode::bad_input, "cannot open the store", folder.string(), "there is no such folder",
                 "create it with `rayfield init`");
-  if (!fs::exists(folder / layout::kStoreFile, error))
+  const bool has_config = fs::exists(folder / layout::kStoreFile, error);
+  if (error) return fail_errno(error.value(), "cannot open the store", folder.string());
+  if (!has_config)
     return fail(ErrorCode::bad_input, "cannot open the store", folder.string(),
                 "it is not a rayfield store (no store.json)", "create one with `rayfield init`");
   RAYFIELD_ASSIGN(StoreConfig config, read_config(folder));

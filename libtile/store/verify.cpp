@@ -1,5 +1,7 @@
 #include "libtile/store/verify.h"
 
+#include <cerrno>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <system_error>
@@ -14,12 +16,15 @@
 namespace rayfield::tile {
 namespace {
 
-// What is wrong with a file; nothing where it is as the entry says. Errors: interrupted.
+// What is wrong with a file; nothing where it is as the entry says. Errors: interrupted, resources.
 Result<std::optional<std::string>> problem_of(const std::filesystem::path& store, const FileEntry& file,
                                               const std::function<bool()>& cancelled) {
   const auto digest = digest_file((store / file.path).string(), "cannot read", cancelled);
   if (!digest && digest.error().code == ErrorCode::interrupted)
     return fail(ErrorCode::interrupted, "interrupted", store.string(), "not all files were checked");
+  // A disk that cannot read a file has damaged it, and the others are looked at; no descriptor or memory says nothing.
+  if (!digest && digest.error().code == ErrorCode::resources && digest.error().why != std::strerror(EIO))
+    return tl::make_unexpected(digest.error());
   std::error_code ignored;
   if (!digest && !std::filesystem::exists(store / file.path, ignored)) return "the file is missing";
   if (!digest) return digest.error().why;
@@ -46,8 +51,10 @@ std::vector<FileEntry> files_to_check(const SnapshotChain& chain, bool all) {
 Result<std::vector<Damage>> verify_store(const std::filesystem::path& folder, bool all, int threads,
                                          Progress& progress) {
   std::vector<Damage> damage;
-  if (const auto config = read_sealed_json("store", folder / layout::kStoreFile); !config)
+  if (const auto config = read_sealed_json("store", folder / layout::kStoreFile); !config) {
+    if (config.error().code == ErrorCode::resources) return tl::make_unexpected(config.error());
     damage.push_back({layout::kStoreFile, config.error().why});
+  }
   RAYFIELD_ASSIGN(const SnapshotChain chain, read_chain(folder));
   damage.insert(damage.end(), chain.damage.begin(), chain.damage.end());
   const std::vector<FileEntry> files = files_to_check(chain, all);

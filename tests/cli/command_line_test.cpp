@@ -137,7 +137,18 @@ TEST_F(CommandLine, ASparseSnapshotIsRefusedBeforeItsSizeIsBelieved) {
 }
 
 TEST_F(CommandLine, RefusesToMakeAStoreWhereOneIs) {
+  expect_refused(rayfield({"init", store(), "--crs", "EPSG:32633"}), 2, "already");
+  expect_refused(rayfield({"init", store(), "--crs", "EPSG:32632", "--tile-size", "20"}), 2, "already");
+  const std::string cloud = put("a.ply", lane_cloud(20));
+  ASSERT_EQ(rayfield({"add", store(), cloud, "--date", "2021-05-01"}).exit_code, 0);
   expect_refused(rayfield({"init", store(), "--crs", "EPSG:32632"}), 2, "already");
+}
+
+// It may not have been told that it was done: killed, or with an error after the store was there.
+TEST_F(CommandLine, InitThatIsRunAgainGoesOn) {
+  const Outcome again = rayfield({"init", store(), "--crs", "EPSG:32632"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(rayfield({"verify", store(), "-q"}).exit_code, 0);
 }
 
 TEST_F(CommandLine, RefusesWhatIsNoRayCloudAndNamesTheReason) {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "libtile/store/snapshot_json.h"
 #include "libtile/tile_file/tile_file.h"
 #include "rayfield/formats/ply_writer.h"
+#include "rayfield/formats/registry_file.h"
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log_writer.h"
 #include "rayfield/formats/trajectory_file.h"
@@ -159,6 +161,76 @@ Result<void> write_bag(const fs::path& path, formats::BagCompression compression
   return writer.close();
 }
 
+// The first byte chooses the kind of file: fuzz_reference.cpp.
+void write_references(const fs::path& folder) {
+  write_text(folder / "geojson", std::string(1, '\0') + R"({"type": "FeatureCollection", "features": [
+{"type": "Feature", "properties": {"row": 1, "row_name": "a"}, "geometry": {"type": "LineString",
+"coordinates": [[138.55, -35.21], [138.5501, -35.21]]}},
+{"type": "Feature", "properties": {"row": 1, "height_m": 1.9}, "geometry": {"type": "Point",
+"coordinates": [138.55, -35.21]}}]})");
+  write_text(folder / "csv",
+             "\x01kind,row,name,easting,northing,height_m,valid_to\n"
+             "row,1,a,276196,6099944,,\nrow,1,a,276206,6099944,,\npost,1,,276196,6099944,1.9,\n");
+  write_text(folder / "csv_degrees", "\x01longitude,latitude,row\n138.55,-35.21,1\n");
+  const fs::path file = folder / "reference.gpkg";
+  BlockProducts block;
+  block.crs = kCrs;
+  block.rows.emplace_back();
+  block.rows[0].centreline = {{276196, 6099944}, {276206, 6099944}};
+  if (!formats::write_registry_file(block, file.string())) return;
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  fs::remove(file);
+  write_text(folder / "gpkg", "\x02" + bytes);
+}
+
+void write_texts(const fs::path& folder) {
+  write_text(folder / "fuzz_block_list" / "list", R"([[block]]
+store = "north"
+inputs = ["a.bag", "b.bag"]
+rig = "rig.toml"
+date = 2019-02-11
+name = "veraison"
+output = "maps"
+crs = "EPSG:7854"
+set = ["posts.panel_length_m=7.5"]
+)");
+  write_text(folder / "fuzz_config" / "config", R"(threads = 2
+[process]
+panel-length = 7.5
+date = ["2019-02-11", "2019-02-12"]
+overwrite = true
+[process.posts]
+min_contrast = 2.5
+[gc]
+)");
+  write_text(folder / "fuzz_site" / "site", R"([site]
+name = "fuzz"
+latitude_deg = 47.3
+longitude_deg = 8.4
+seed = 5
+[terrain]
+slope_percent = 3
+[rows]
+count = 2
+length_m = 14
+spacing_m = 2.5
+azimuth_deg = 70
+panel_length_m = 3.5
+[canopy]
+leaf_area_m2_per_m = 1.8
+[surroundings]
+trees = 1
+buildings = 0
+fence = false
+[spinning]
+beams = 143
+[[date]]
+date = "2021-03-01"
+leaf_fraction = 0.0
+)");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -171,6 +243,8 @@ int main(int argc, char** argv) {
   write_text(folder / "fuzz_rig" / "everything", formats::rig_text(rig_with_everything()));
   write_text(folder / "fuzz_rates" / "commas", "zone,rate\n1,400\n2,250.5\n3,0\n");
   write_text(folder / "fuzz_rates" / "semicolons", "\"rate\";\"zone\"\r\n\"1e2\";\"3\"\r\n7;1\r\n0.5;2\r\n");
+  write_references(folder / "fuzz_reference");
+  write_texts(folder);
   auto written = write_cloud(folder / "fuzz_ply" / "cloud");
   if (written) written = write_trajectories(folder / "fuzz_trajectory");
   using formats::BagCompression;

@@ -8,6 +8,7 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 SITE = """[site]
@@ -30,7 +31,7 @@ trees = 1
 buildings = 0
 fence = false
 [spinning]
-beams = 143
+beams = 71
 [[date]]
 date = "2021-03-01"
 leaf_fraction = 0.0
@@ -42,7 +43,8 @@ seed = 2
 CRS = "EPSG:32632"
 DATES = ("2021-03-01", "2021-07-01")
 DOCUMENTED = {0, 2, 3, 4, 5, 6, 130}  # docs/commands.md; 1 is an internal error
-OWN = ("snapshots/", "store.json", "lock", "trash/")  # differ with the history, not with what a store holds
+# Differ with the history, not with what a store holds; and a report with the time that its parts took.
+OWN = ("snapshots/", "store.json", "lock", "trash/", "timed_")
 TIMEOUT_S = 300
 
 
@@ -59,7 +61,7 @@ class Outcome:
 @dataclasses.dataclass
 class Tally:
     """Of one kind of attack: how often it was made, and what it found."""
-    runs: int = 0
+    runs: int = 0  # attacks that really happened: a signal to a running process, a system call that was made to fail
     lost: int = 0
     wrong: int = 0
     crashed: int = 0
@@ -70,13 +72,13 @@ class Tally:
     def find(self, kind, text):
         setattr(self, kind, getattr(self, kind) + 1)
         self.notes.append(f"{kind}: {text}")
+        print(f"{kind}: {text}", file=sys.stderr, flush=True)
 
     def findings(self):
         return self.lost + self.wrong + self.crashed + self.unclear
 
     def judge(self, outcome, allowed, what):
         """Whether the program ended as it may: a documented code, and one line where it failed."""
-        self.runs += 1
         if outcome.code not in DOCUMENTED:
             self.find("crashed", f"{what}: exit {outcome.code}: {outcome.err[-300:]}")
         elif outcome.code not in allowed:
@@ -102,7 +104,10 @@ class Lab:
     """Simulated rays, and stores made of them that no attack touches: attacks work on copies."""
 
     def __init__(self, program, folder, seed):
+        os.environ["SOURCE_DATE_EPOCH"] = "1614600000"  # so that nothing depends on when it was made
         self.program = str(pathlib.Path(program).resolve())
+        self.damager = pathlib.Path(self.program).parent.parent / "tests" / "fault" / "store_damage"
+        self.calm = {}  # what jobs make in peace, see jobs.py
         self.folder = pathlib.Path(folder).resolve()
         self.random = random.Random(seed)
         self.folder.mkdir(parents=True)
@@ -110,6 +115,8 @@ class Lab:
         site.write_text(SITE)
         self.must("simulate", site, "-o", self.folder / "logs", "--no-log", "-q")
         self.clouds = {date: self.folder / "logs" / date / "rays.ply" for date in DATES}
+        self.must("simulate", site, "-o", self.folder / "drives", "--no-rays", "--date", DATES[1], "-q")
+        self.log = self.folder / "drives" / DATES[1]
         self.stores = {}
         store = self.folder / "calm" / "block"  # all stores have one name: products have it in theirs
         store.parent.mkdir()
@@ -125,13 +132,33 @@ class Lab:
         self.seconds["process"] = time.monotonic() - begun
         self.must("gc", store, "-q")
         self._keep("whole", store)
+        self.must("registry", "export", store, "-o", self.folder / "reference.geojson", "-q")
         begun = time.monotonic()
         self.must("export", store, "-o", self.folder / "maps", "-q")
         self.seconds["export"] = time.monotonic() - begun
+        self._litter(store)
+        self._keep("littered", store)
+        shutil.rmtree(store)
+        shutil.copytree(self.stores["two"], store, symlinks=True)
+        (store / "snapshots" / "00000002.json").unlink()
+        self._keep("torn", store)
+
+    def _litter(self, store):
+        """What writers leave that were killed: temporary files, and derived files and tiles that no snapshot names."""
+        (store / "tmp").mkdir(exist_ok=True)
+        (store / "tmp" / ("0" * 32 + ".tmp")).write_bytes(b"half a file")
+        for path in [*sorted((store / "scans" / DATES[0] / "ground").iterdir())[:3],
+                     *sorted((store / "scans" / DATES[0] / "rays").iterdir())[:2]]:
+            stem = path.name.rsplit(".", 2)[0]
+            shutil.copy(path, path.with_name(f"{stem}.{'0123456789abcdef'}.h5"))
 
     def _keep(self, name, store):
         self.stores[name] = self.folder / "stores" / name / "block"
         shutil.copytree(store, self.stores[name], symlinks=True)
+
+    @staticmethod
+    def time_is_left(until):
+        return time.monotonic() < until
 
     def add(self, store, date):
         return ("add", store, self.clouds[date], "--date", date, "-q")
@@ -166,7 +193,12 @@ class Lab:
             out, err = process.communicate(timeout=after_s)
         except subprocess.TimeoutExpired:
             process.send_signal(number)
-            out, err = process.communicate(timeout=TIMEOUT_S)
+            try:
+                out, err = process.communicate(timeout=TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                out, err = process.communicate()
+                return Outcome(124, out, f"still running {TIMEOUT_S} s after signal {number}")
         code = process.returncode
         return Outcome(code if code >= 0 else 128 - code, out, err)
 
@@ -181,9 +213,3 @@ class Lab:
         status = self.run("status", store, "--json", "-q")
         return [scan["scan_id"] for scan in json.loads(status.out)["scans"]] if status.code == 0 else None
 
-    def same(self, store, name, tally, what):
-        """Compares a store with one that was left in peace."""
-        calm, found = content(self.stores[name]), content(store)
-        if found != calm:
-            differ = sorted(set(calm.items()) ^ set(found.items()))
-            tally.find("wrong", f"{what}: other content, e.g. {differ[0][0]}")

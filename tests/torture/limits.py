@@ -8,35 +8,37 @@ import signal
 import subprocess
 import time
 
-from lab import Tally
-from writers import JOBS, end_well, words_of
+from failing import judge, some_job
+from jobs import JOBS, WRITERS, calm, folders
+from lab import Tally, content
 
-SHUTDOWN, WITHOUT_LOG = 0x8004587D, b"\x02\x00\x00\x00"  # EXT4_IOC_SHUTDOWN, XFS_IOC_GOINGDOWN: drop what is not on disk
+CUT = ("add", "process", "update", "export", "remove", "revert", "repair", "registry rename", "gc")
+# EXT4_IOC_SHUTDOWN, XFS_IOC_GOINGDOWN: drop what is not on disk.
+SHUTDOWN, WITHOUT_LOG = 0x8004587D, b"\x02\x00\x00\x00"
 
 
 def resources(lab, until):
     """Little address space, few descriptors, small files, little --memory: 5 and a line, or done."""
     tally = Tally()
-    while time.monotonic() < until:
-        job, before, after = JOBS[tally.runs % len(JOBS)]
+    while lab.time_is_left(until):
+        job = some_job(lab, JOBS)
+        calm(lab, job)
         what, limit, value = lab.random.choice((
             ("address space", resource.RLIMIT_AS, lab.random.randint(250, 900) << 20),
             ("descriptors", resource.RLIMIT_NOFILE, lab.random.randint(4, 40)),
             ("file size", resource.RLIMIT_FSIZE, lab.random.randint(1, 2000) << 10),
             ("--memory", None, lab.random.choice(("1", "64M", "256M", "300M")))))
-        store = lab.copy(before)
-        words = words_of(lab, job, store)
+        store, products = folders(lab, job)
+        words = job.line(lab, store, products)
         if limit is None:
             outcome = lab.run(*words, "--memory", value)
         else:
             outcome = lab.run(*words, prepare=lambda: resource.setrlimit(limit, (value, value)))
-        what = f"{job}, {what} {value}"
         if outcome.code in (1, 127) and "rayfield: " not in outcome.err and "shared" in outcome.err:
             continue  # not even the loader had room
-        if not tally.judge(outcome, {0, 2, 5} if limit is None else {0, 5}, what):
-            continue
-        lab.verify(store, tally, what)
-        end_well(lab, job, store, after, tally, what)
+        tally.runs += 1
+        judge(lab, job, tally, outcome, f"{job.name}, {what} {value}", store, products,
+              {0, 2, 5} if limit is None else {0, 5})
     return tally
 
 
@@ -63,16 +65,23 @@ class Mounted:
 def full_disks(lab, until):
     """A small disk that gets full."""
     tally = Tally()
-    while time.monotonic() < until:
-        job, before, _ = JOBS[tally.runs % len(JOBS)]
-        used = sum(p.stat().st_size for p in lab.stores[before].rglob("*") if p.is_file()) >> 10
+    while lab.time_is_left(until):
+        job = some_job(lab, WRITERS)
+        calm(lab, job)
+        held = lab.stores[job.before].rglob("*") if job.before else ()
+        used = sum(p.stat().st_size for p in held if p.is_file()) >> 10
         size = used + lab.random.randint(40, 6000)
         try:
             with Mounted(lab, "-t", "tmpfs", "-o", f"size={size}k") as disk:
-                shutil.copytree(lab.stores[before], disk / "block", symlinks=True)
-                what = f"{job} with {size - used} kB left"
-                if tally.judge(lab.run(*words_of(lab, job, disk / "block")), {0, 5}, what):
-                    lab.verify(disk / "block", tally, what)
+                store, products = disk / "block", disk / "out"
+                if job.before:
+                    shutil.copytree(lab.stores[job.before], store, symlinks=True)
+                products.mkdir()
+                outcome = lab.run(*job.line(lab, store, products))
+                tally.runs += outcome.code != 0
+                what = f"{job.name} with {size - used} kB left"
+                if tally.judge(outcome, {0, 5}, what) and job.verifies and (store / "store.json").exists():
+                    lab.verify(store, tally, what)
         except (subprocess.CalledProcessError, OSError, shutil.Error) as e:
             if tally.runs == 0:
                 return Tally(skipped=f"tmpfs cannot be mounted: {e}")
@@ -85,17 +94,20 @@ def cut_power(disk):
     os.close(handle)
 
 
-def one_cut(lab, image, tally, job, before, prefix=(), after_end=0.3):
+def one_cut(lab, image, tally, job, prefix=(), after_end=0.3):
     """Returns whether what the program had said was done is there, after a cut at a random moment or, with the chance
     `after_end`, at its end."""
+    expected = calm(lab, job)
     with Mounted(lab, "-o", "loop", source=image) as disk:
-        shutil.rmtree(disk / "block", ignore_errors=True)
-        shutil.copytree(lab.stores[before], disk / "block", symlinks=True)
+        for folder in ("block", "out"):
+            shutil.rmtree(disk / folder, ignore_errors=True)
+        shutil.copytree(lab.stores[job.before], disk / "block", symlinks=True)
+        (disk / "out").mkdir()
         os.sync()
-        words = [*prefix, lab.program, *map(str, words_of(lab, job, disk / "block"))]
+        words = [*prefix, lab.program, *map(str, job.line(lab, disk / "block", disk / "out"))]
         process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         try:
-            process.wait(timeout=None if lab.random.random() < after_end else lab.random.uniform(0, lab.seconds[job]))
+            process.wait(timeout=None if lab.random.random() < after_end else lab.random.uniform(0, expected.seconds))
         except subprocess.TimeoutExpired:
             pass
         done = process.poll() == 0
@@ -106,10 +118,9 @@ def one_cut(lab, image, tally, job, before, prefix=(), after_end=0.3):
     tally.runs += 1
     with Mounted(lab, "-o", "loop", source=image) as disk:
         store = disk / "block"
-        whole = lab.run("verify", store, "--all", "-q").code == 0
-        scans = lab.scans(store)
-        there = scans is not None and (job != "add" or not done or len(scans) == 2)
-        return whole and there
+        whole = not job.verifies and not done or lab.run("verify", store, "--all", "-q").code == 0
+        return whole and (not done or (lab.scans(store) == expected.scans and
+                                       content(disk / "out") == expected.products))
 
 
 def image_of(lab, system, megabytes):
@@ -127,21 +138,21 @@ def power_cuts(lab, until):
     for system, megabytes in (("ext4", 128), ("xfs", 320)):
         try:
             images.append(image_of(lab, system, megabytes))
-            one_cut(lab, images[-1], Tally(), "add", "one")
+            one_cut(lab, images[-1], Tally(), JOBS["add"])
         except (OSError, subprocess.CalledProcessError) as e:
             images = images[:-1] if images and images[-1].name.startswith(system) else images
             tally.notes.append(f"{system}: left out: {e}")
     if not images:
         return Tally(skipped="no file system can be mounted: " + "; ".join(tally.notes))
-    while time.monotonic() < until:
-        job, before, _ = JOBS[tally.runs % len(JOBS)]
-        image = images[tally.runs // 2 % len(images)]
-        if not one_cut(lab, image, tally, job, before):
-            tally.find("lost", f"{job} on {image.stem}")
+    while lab.time_is_left(until):
+        job = some_job(lab, CUT)
+        image = images[tally.runs % len(images)]
+        if not one_cut(lab, image, tally, job):
+            tally.find("lost", f"{job.name} on {image.stem}")
     if shutil.which("strace") is not None:
         lying = ("strace", "-f", "-qq", "-o", "/dev/null", "-einject=fsync,fdatasync,sync_file_range:retval=0")
         # At the end of the program: something was promised then, and the file system has had no time to flush it.
-        control = [one_cut(lab, images[0], Tally(), "add", "one", lying, after_end=1) for _ in range(6)]
+        control = [one_cut(lab, images[0], Tally(), JOBS["add"], lying, after_end=1) for _ in range(6)]
         tally.notes.append(f"control without fsync: {control.count(False)} of {len(control)} lost, as they should")
         if all(control):
             tally.find("wrong", "cuts lose nothing even where nothing is flushed: they are no cuts")

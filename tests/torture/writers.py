@@ -1,96 +1,60 @@
-"""Attacks on those who write: killed, interrupted, failed by the system, many at a time."""
-import shutil
+"""Attacks on those who write: killed, interrupted, many at a time."""
 import signal
 import subprocess
-import time
 
+from failing import judge, some_job
+from jobs import JOBS, WRITERS, calm, folders
 from lab import DATES, Tally
-
-# (command, store before, store after)
-JOBS = (("add", "one", "two"), ("process", "two", "whole"))
-
-
-def words_of(lab, job, store):
-    return lab.add(store, DATES[1]) if job == "add" else ("process", store, "-q")
-
-
-def end_well(lab, job, store, after, tally, what):
-    """The same command, undisturbed, ends with what it makes in peace."""
-    if tally.judge(lab.run(*words_of(lab, job, store)), {0}, f"{what}, run again"):
-        lab.run("gc", store, "-q")
-        lab.same(store, after, tally, what)
 
 
 def kills(lab, until):
     """SIGKILL at random moments, up to three in a row."""
     tally = Tally()
-    while time.monotonic() < until:
-        job, before, after = JOBS[tally.runs % len(JOBS)]
-        store = lab.copy(before)
+    while lab.time_is_left(until):
+        job = some_job(lab, WRITERS)
+        seconds = calm(lab, job).seconds
+        store, products = folders(lab, job)
+        outcome, moment, hit = None, 0, False
         for _ in range(lab.random.randint(1, 3)):
-            moment = lab.random.uniform(0, lab.seconds[job])
-            lab.run_and_signal(words_of(lab, job, store), moment)
+            moment = lab.random.uniform(0, seconds)
+            line = job.line_again(lab, store, products) if hit else job.line(lab, store, products)
+            outcome = lab.run_and_signal(line, moment)
+            if outcome.code != 128 + signal.SIGKILL:  # it was done before
+                break
+            hit = True
             tally.runs += 1
-            lab.verify(store, tally, f"{job} killed after {moment:.3f} s")
-        end_well(lab, job, store, after, tally, f"{job} killed")
+            if job.verifies and (store / "store.json").exists():
+                lab.verify(store, tally, f"{job.name} killed after {moment:.3f} s")
+        if hit:
+            judge(lab, job, tally, outcome, f"{job.name} killed after {moment:.3f} s", store, products, None)
     return tally
 
 
 def signals(lab, until):
     """SIGINT and SIGTERM: 130, and the store as it was."""
     tally = Tally()
-    while time.monotonic() < until:
-        job, before, after = JOBS[tally.runs % len(JOBS)]
+    while lab.time_is_left(until):
+        job = some_job(lab, JOBS)
+        seconds = calm(lab, job).seconds
         number = lab.random.choice((signal.SIGINT, signal.SIGTERM))
-        store = lab.copy(before)
+        store, products = folders(lab, job)
         # The first tens of milliseconds belong to the loader, and to nobody's handlers.
-        outcome = lab.run_and_signal(words_of(lab, job, store), lab.random.uniform(0.15, lab.seconds[job] + 0.15), number)
-        what = f"{job}, {signal.Signals(number).name}"
-        if not tally.judge(outcome, {0, 130}, what):
-            continue
-        lab.verify(store, tally, what)
-        end_well(lab, job, store, after, tally, what)
-    return tally
-
-
-CALLS = ("write", "pwrite64", "fsync", "fdatasync", "rename,renameat,renameat2", "link,linkat", "unlink,unlinkat",
-         "read,pread64", "mkdir,mkdirat", "ftruncate", "flock")
-
-
-def system_calls(lab, until):
-    """A system call that kills, or fails with an input/output error or a full disk."""
-    if shutil.which("strace") is None or subprocess.run(["strace", "-qq", "true"], capture_output=True).returncode != 0:
-        return Tally(skipped="strace is not there or not permitted")
-    tally = Tally()
-    while time.monotonic() < until:
-        job, before, after = JOBS[tally.runs % len(JOBS)]
-        calls, how = lab.random.choice(CALLS), lab.random.choice(("error=EIO", "error=ENOSPC", "signal=SIGKILL"))
-        nth = int(lab.random.expovariate(1 / 20)) + 1
-        if calls.startswith("read"):
-            nth += 100  # the loader's own reads
-        store = lab.copy(before)
-        outcome = lab.run(*words_of(lab, job, store),
-                          prefix=("strace", "-f", "-qq", "-o", "/dev/null", f"-einject={calls}:{how}:when={nth}"))
-        what = f"{job}, {how} at {calls} {nth}"
-        if outcome.code == 127:  # the loader did not find its libraries
-            continue
-        if how.startswith("signal"):
+        outcome = lab.run_and_signal(job.line(lab, store, products), lab.random.uniform(0.15, seconds + 0.15), number)
+        if outcome.code == 128 + signal.SIGTERM:
+            continue  # before there was a handler
+        if outcome.code != 0:  # where it was done, nobody knows whether the signal came before
             tally.runs += 1
-        # Whatever fails by the system is 5; a failed flock is another writer's. What is unharmed may go on.
-        elif not tally.judge(outcome, {0, 5, 6} if calls == "flock" else {0, 5}, what):
-            continue
-        lab.verify(store, tally, what)
-        end_well(lab, job, store, after, tally, what)
+        judge(lab, job, tally, outcome, f"{job.name}, {signal.Signals(number).name}", store, products, {0, 130})
     return tally
 
 
 def crowds(lab, until):
     """Eight writers and two readers of one store at a time."""
     tally = Tally()
-    while time.monotonic() < until:
+    while lab.time_is_left(until):
         store = lab.copy("one")
         names = [f"writer{i}" for i in range(8)]
-        waiting, running, readers = list(names), {}, 0
+        waiting, running = list(names), {}
         while waiting or running:
             for name in waiting[:]:
                 words = (*lab.add(store, DATES[1]), "--name", name, "--no-align")
@@ -98,7 +62,7 @@ def crowds(lab, until):
                                                  stderr=subprocess.PIPE, text=True)
                 waiting.remove(name)
             for reader in (("status", store), ("verify", store, "-q")):
-                readers += 1
+                tally.runs += 1
                 tally.judge(lab.run(*reader), {0}, f"{reader[0]} beside writers")
             for name, process in list(running.items()):
                 if process.poll() is None:

@@ -68,6 +68,12 @@ class BadLog : public testing::Test {
 Folder* BadLog::drive_ = nullptr;
 SimulatedLog BadLog::log_;
 
+TEST_F(BadLog, ATrajectoryOfAnotherDayGivesNoCloud) {
+  std::string poses;
+  for (int i = 0; i < 99; ++i) poses += std::to_string(i) + " 454629 5238676 83 0 0 0 1\n";
+  expect_refused(slam(log_.bag, {"--use-trajectory", put("other_day.tum", poses)}), 3, log_.bag, "none of its rays");
+}
+
 TEST_F(BadLog, WhatIsNoBagIsRefusedByEveryCommand) {
   const std::string store = work_.path("block");
   ASSERT_EQ(rayfield({"init", store, "--crs", "EPSG:32632"}).exit_code, 0);

@@ -5,6 +5,8 @@
 #include <sys/resource.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
 namespace rayfield {
@@ -33,7 +35,6 @@ TEST(LookupProjectedCrs, RefusesGeographicUnknownAndImperialSystemsWithAReason) 
   EXPECT_NE(why("EPSG:4978").find("geographic"), std::string::npos);
 }
 
-// UTM on the central meridian: k0 = 0.9996, false easting 500 km, no convergence (definition of the projection).
 TEST(LookupProjectedCrs, ADatabaseThatCannotBeOpenedIsNoFaultOfTheCrs) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
@@ -47,6 +48,22 @@ TEST(LookupProjectedCrs, ADatabaseThatCannotBeOpenedIsNoFaultOfTheCrs) {
   EXPECT_NE(result.error().why.find("proj.db"), std::string::npos) << result.error().why;
 }
 
+TEST(LookupProjectedCrs, ADatabaseThatCannotBeReadIsNoFaultOfTheCrs) {
+  namespace fs = std::filesystem;
+  const fs::path real = "/usr/share/proj/proj.db", folder = fs::temp_directory_path() / "rayfield_proj_test";
+  if (!fs::exists(real)) GTEST_SKIP() << "no " << real;
+  fs::create_directories(folder);
+  fs::copy_file(real, folder / "proj.db", fs::copy_options::overwrite_existing);
+  fs::resize_file(folder / "proj.db", 40960);  // its tables are there, their pages are not
+  ASSERT_EQ(setenv("PROJ_LIB", folder.c_str(), 1), 0);
+  const auto result = lookup_projected_crs("EPSG:7854");
+  ASSERT_EQ(unsetenv("PROJ_LIB"), 0);
+  fs::remove_all(folder);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::resources) << result.error().line();
+}
+
+// UTM on the central meridian: k0 = 0.9996, false easting 500 km, no convergence (definition of the projection).
 TEST(MapFrame, HasTheDefiningConstantsOfUtmOnTheCentralMeridian) {
   const MapFrame frame = MapFrame::create("EPSG:32633").value();
   const Eigen::Vector3d p = frame.map_from_geodetic({47.0, 15.0, 123.0});

@@ -113,6 +113,8 @@ TEST(TrajectoryFile, RefusesBadLinesWithTheirNumber) {
   }
   EXPECT_THAT(read(good + "1 0 0 0 0 0 0 1\n").error().line(), HasSubstr("line 3: the time is not later"));
   EXPECT_THAT(read(good + "2 0 0 0 0 0 0 1.1\n").error().line(), HasSubstr("line 3: the quaternion is not unit"));
+  for (const char* line : {"2 1e300 0 0 0 0 0 1", "2 0 -2e8 0 0 0 0 1", "2 0 0 2e5 0 0 0 1", "1e300 0 0 0 0 0 0 1"})
+    EXPECT_THAT(read(good + line + "\n").error().line(), HasSubstr("line 3: its time or place is none on Earth"));
   EXPECT_THAT(read(good + std::string(5000, ' ') + "\n").error().line(), HasSubstr("longer than 4096"));
   EXPECT_THAT(read("# only comments\n").error().line(), HasSubstr("no poses"));
   EXPECT_THAT(read("").error().line(), HasSubstr("no poses"));

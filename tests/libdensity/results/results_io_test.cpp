@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "libdensity/results/leaf_values.h"
 
@@ -118,6 +120,24 @@ TEST(StoredLeaves, TakeThePlaceOfWhatIsOfLeavesAndLeaveWhatIsOfPlants) {
   EXPECT_EQ(results.profile[0].leaf_area_m2, 1.5);
   EXPECT_EQ(results.profile[0].plant_area_m2, 3);
   EXPECT_EQ(results.scan.wood_scan_id, "winter");
+}
+
+// Somebody who sealed a file anew may have put anything there.
+TEST(StoredRasters, WithoutAPlaceOrWithInfiniteValuesAreDamaged) {
+  const auto raster_with = [](double east, double cell_m) {
+    const RasterProduct raster{"ground", "m", "height", Grid2<float>({east, 0}, cell_m, 2, 2)};
+    return raster_of(raster_to_arrays(raster, {}).arrays, 4);
+  };
+  EXPECT_TRUE(raster_with(3, 0.5));
+  for (const auto& raster : {raster_with(3, 0), raster_with(3, -1), raster_with(kNaN, 0.5)}) {
+    ASSERT_FALSE(raster);
+    EXPECT_EQ(raster.error().code, ErrorCode::damaged);
+  }
+  const float infinite = std::numeric_limits<float>::infinity(), undefined = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(check_map_values(std::vector{0.0F, undefined}, "ground"));
+  const auto values = check_map_values(std::vector{0.0F, -infinite}, "ground");
+  ASSERT_FALSE(values);
+  EXPECT_EQ(values.error().code, ErrorCode::damaged);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include "tests/libtile/processed_store.h"
 
@@ -35,6 +36,23 @@ TEST_F(Verify, MissingAndTruncatedFilesAreNamedWithTheReason) {
   for (const Damage& d : damage) reasons[d.path] = d.reason;
   EXPECT_THAT(reasons.at(first), HasSubstr("missing"));
   EXPECT_THAT(reasons.at(second), HasSubstr("100 bytes"));
+}
+
+// As many descriptors as are open always: nothing can be opened, and nothing is known of any file.
+TEST_F(Verify, NoFileDescriptorLeftIsNoDamage) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none_left = before;
+  none_left.rlim_cur = 3;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none_left), 0);
+  Progress progress;
+  const auto latest = store_.latest();
+  const auto damage = store_.verify(true, 1, progress);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_FALSE(latest);
+  EXPECT_EQ(latest.error().code, ErrorCode::resources) << latest.error().line();
+  ASSERT_FALSE(damage);
+  EXPECT_EQ(damage.error().code, ErrorCode::resources) << damage.error().line();
 }
 
 TEST_F(Verify, ADamagedSnapshotIsAnErrorOfEveryReader) {

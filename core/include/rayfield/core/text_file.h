@@ -16,8 +16,8 @@ inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
 /// kMaxTextFileBytes), resources (no permission).
 Result<std::string> read_text_file(const std::string& path, std::string_view what);
 
-/// TOML allows no control characters except tabs and line ends, and toml++ 3.3 relies on this in places: every text is
-/// checked here before it is parsed. Errors: usage, with the line.
+/// TOML allows no control characters except tabs and line ends, and toml++ 3.3 relies on this in places; keys of
+/// thousands of parts exhaust its stack. Every text is checked here before it is parsed. Errors: usage, with the line.
 Result<void> check_toml_text(std::string_view text, std::string_view what, const std::string& name,
                              std::string_view next = {});
 
