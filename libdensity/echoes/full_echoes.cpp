@@ -24,7 +24,7 @@ constexpr double kOffPlaneM = 0.03;                // farther from it is elsewhe
 constexpr double kStartM = 0.06, kNearbyM = 0.15;  // along the beam: for the plane, and what is looked at at all
 constexpr double kSameDirection = 0.97;            // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
-constexpr double kWidestM = 0.3;  // of beams
+constexpr double kWidestM = 0.3;   // of beams
 constexpr double kSlack = 1.0001;  // of distances that are only to leave out what is farther away
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 
