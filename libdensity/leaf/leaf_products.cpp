@@ -10,6 +10,7 @@
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"
 #include "libdensity/leaf/slab_shadow.h"
+#include "libdensity/leaf/wood_by_shape.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
@@ -116,6 +117,28 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   return make_leaf_maps(work, rows_of(layout, plant), layout, voxels, results, leaves_of);
 }
 
+Result<LeafMaps> take_out_of_rows(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                                  const ScanResults& results) {
+  RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, work.memory.tiles_bytes));
+  const auto leaves_of = [&](const Row& row, std::span<const Panel> panels,
+                             std::span<PanelValue> values) -> Result<RowDensity> {
+    RAYFIELD_ASSIGN(RowDensity of_plant,
+                    plant.density(row.number, voxels.row_segments, voxels.wood, work.options.estimator, voxels.echoes));
+    return take_out_wood(std::move(of_plant), panels, work.options.wood, values);
+  };
+  return make_leaf_maps(work, rows_of(layout, plant), layout, voxels, results, leaves_of);
+}
+
+// What leaf areas depend on beside the wood.
+void add_plants(const ScanWork& work, const ScanVoxels& voxels, KeyBuilder& key) {
+  key.add(work.layout_key).add(work.files.sha256("results", "block"));
+  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
+  key.add(option_numbers(work.options.estimator)).add(option_numbers(work.options.plan));
+  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
+  if (voxels.echoes) key.add(model_numbers(voxels.echoes));
+  for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
+}
+
 std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodScan& wood, const CountedWood& counted) {
   KeyBuilder key("leaf", kLeafVersion);
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
@@ -148,7 +171,10 @@ LeafReport report_of(const ScanResults& results) {
   LeafReport report;
   report.panels = results.panel_values.size();
   for (const PanelValue& value : results.panel_values) {
-    if (std::isfinite(value.leaf_area_m2)) report.leaf_area_m2 += value.leaf_area_m2;
+    if (std::isfinite(value.leaf_area_m2)) {
+      report.leaf_area_m2 += value.leaf_area_m2;
+      report.low_m2 += value.ci_low_m2, report.high_m2 += value.ci_high_m2;
+    }
     if (std::isfinite(value.plant_area_m2) && !std::isfinite(value.leaf_area_m2)) ++report.without_wood;
   }
   return report;
@@ -211,6 +237,18 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   return keep_leaves(work, layout, leaf_key(work, voxels, wood, counted), [&]() -> Result<LeafMaps> {
     RAYFIELD_ASSIGN(LeafMaps maps, subtract_rows(work, layout, voxels, counted, results));
     maps.values.wood_scan_id = wood.scan.scan_id, maps.values.wood_content = content_of(wood.scan);
+    return maps;
+  });
+}
+
+Result<LeafReport> separate_leaves_by_shape(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels) {
+  KeyBuilder key("leaf by shape", kLeafByShapeVersion);
+  key.add(option_numbers(work.options.wood));
+  add_plants(work, voxels, key);
+  RAYFIELD_ASSIGN(const ScanResults results, read_results(work, layout));
+  return keep_leaves(work, layout, key.hex(), [&]() -> Result<LeafMaps> {
+    RAYFIELD_ASSIGN(LeafMaps maps, take_out_of_rows(work, layout, voxels, results));
+    maps.values.wood_content = kWoodByShape;
     return maps;
   });
 }

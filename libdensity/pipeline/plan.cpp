@@ -87,7 +87,7 @@ Result<ProcessPlan> plan_process(const tile::Store& store, const ProcessOptions&
                 "add one with `rayfield add`");
   RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, select_scans(snapshot, options.dates));
   RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
-  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, {}));
+  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, {}, options.wood.enabled));
   ProcessPlan plan;
   plan.layout_is_new = !registry.known();
   for (const std::string& scan_id : scan_ids) {

@@ -15,7 +15,7 @@ class EveryOptionOf : public ::testing::Test {};
 using AllOptions = ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions,
                                     PostOptions, RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles,
                                     VoxelOptions, EstimatorOptions, IntegrationOptions, PlanRasterOptions, LeafOptions,
-                                    DescriptorOptions, MissingRayOptions, GapOptions>;
+                                    DescriptorOptions, ShapeWoodOptions, MissingRayOptions, GapOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {
