@@ -107,22 +107,33 @@ nlohmann::ordered_json scan_json(const density::ScanReport& scan) {
                                  {"observed_fraction", scan.observed_fraction},
                                  {"leaf_area_m2", nullptr},
                                  {"wood_scan_id", nullptr},
+                                 {"wood_from", nullptr},
+                                 {"leaf_area_low_m2", nullptr},
+                                 {"leaf_area_high_m2", nullptr},
                                  {"leaf_size_cm2", 1e4 * scan.leaf_size_m2},
                                  {"voxel_m", scan.voxel_m},
                                  {"files_made", scan.files_made},
                                  {"files_kept", scan.files_kept},
                                  {"notes", scan.notes}};
-  if (scan.leaf_area_m2) json["leaf_area_m2"] = *scan.leaf_area_m2, json["wood_scan_id"] = scan.wood_scan_id;
+  if (!scan.leaf_area_m2) return json;
+  json["leaf_area_m2"] = *scan.leaf_area_m2, json["wood_from"] = scan.wood_from;
+  json["leaf_area_low_m2"] = scan.leaf_low_m2, json["leaf_area_high_m2"] = scan.leaf_high_m2;
+  if (!scan.wood_scan_id.empty()) json["wood_scan_id"] = scan.wood_scan_id;
   return json;
+}
+
+// ", leaf area 21.4 m² (less the wood of 2019-08-01)"
+std::string leaf_area_text(const density::ScanReport& scan) {
+  if (!scan.leaf_area_m2) return "";
+  const std::string area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
+  if (scan.wood_scan_id.empty())
+    return fmt::format("{} ({:.1f} to {:.1f}: wood estimated)", area, scan.leaf_low_m2, scan.leaf_high_m2);
+  return area + (scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")");
 }
 
 // A line with the scan's areas, and its notes below.
 std::string scan_text(const density::ScanReport& scan) {
-  std::string leaf_area;
-  if (scan.leaf_area_m2) {
-    leaf_area = fmt::format(", leaf area {:.1f} m²", *scan.leaf_area_m2);
-    leaf_area += scan.wood_scan_id == scan.scan_id ? " (dormant)" : " (less the wood of " + scan.wood_scan_id + ")";
-  }
+  const std::string leaf_area = leaf_area_text(scan);
   std::string text =
       fmt::format("  {}  {}{}, leaves of {:.0f} cm², voxels of {:.0f} cm{}\n", scan.scan_id, plant_area_text(scan),
                   leaf_area, 1e4 * scan.leaf_size_m2, 100 * scan.voxel_m, scan.files_made == 0 ? " (unchanged)" : "");

@@ -85,7 +85,7 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
   RAYFIELD_ASSIGN(const auto centres, panel_centres(block, to_wgs84));
   std::string text = "panel_uid,row_number,panel_number,length_m,scan_id,scan_date";
   for (const MeasuredColumn& column : kMeasuredColumns) text += fmt::format(",{}", column.name);
-  text += ",ray_count,wood_scan_id" + descriptor_names() + ",block,farm,variety,longitude,latitude\n";
+  text += ",ray_count,wood_scan_id" + descriptor_names() + ",wood_from,block,farm,variety,longitude,latitude\n";
   const auto panels = panels_by_uid(block);
   for (const ScanResults& scan : block.scans) {
     for (const PanelValue& value : scan.panel_values) {
@@ -97,7 +97,7 @@ Result<std::string> panels_csv(const BlockProducts& block, const std::string& pa
       for (const MeasuredColumn& column : kMeasuredColumns)
         text.append(",").append(number_text(value.*column.value, ""));
       text += fmt::format(",{},{}", value.ray_count, csv_escape(value.wood_scan_id));
-      text += descriptor_fields(value.descriptors);
+      text += descriptor_fields(value.descriptors) + "," + csv_escape(value.wood_from);
       text += place_fields(block, centres.at(value.panel_uid));
     }
   }

@@ -24,6 +24,7 @@ std::vector<VectorValue> values_of(const BlockProducts& block, const PanelProduc
   for (const MeasuredColumn& column : kMeasuredColumns) values.emplace_back(value->*column.value);
   values.insert(values.end(), {value->ray_count, text_or_null(value->wood_scan_id)});
   for (const DescriptorColumn& column : kDescriptorColumns) values.emplace_back(value->descriptors.*column.value);
+  values.push_back(text_or_null(value->wood_from));
   return values;
 }
 
@@ -47,6 +48,7 @@ std::vector<VectorColumn> panel_columns() {
   columns.push_back({"wood_scan_id", "wood_scan", OFTString, "", kWoodScanDescription});
   for (const DescriptorColumn& column : kDescriptorColumns)
     columns.push_back({column.name, column.short_name, OFTReal, column.unit, column.description});
+  columns.push_back({"wood_from", "wood_from", OFTString, "", kWoodFromDescription});
   return columns;
 }
 

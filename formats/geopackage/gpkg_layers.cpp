@@ -82,7 +82,7 @@ Result<void> fill_scans(const OpenGeoPackage& package, const BlockProducts& bloc
     out.real(scan.offset_e_m).real(scan.offset_n_m).real(scan.offset_h_m).real(scan.yaw_mrad).real(scan.residual_m);
     out.integer(scan.landmarks).integer(scan.aligned ? 1 : 0);
     out.optional_text(scan.wood_scan_id).optional_text(scan.leaf_note);
-    out.real(scan.fruit_zone_low_m).real(scan.fruit_zone_high_m);
+    out.real(scan.fruit_zone_low_m).real(scan.fruit_zone_high_m).optional_text(scan.wood_from);
     RAYFIELD_CHECK(check_written(package, out.write()));
   }
   return {};
@@ -116,6 +116,7 @@ Result<void> fill_panel_values(const OpenGeoPackage& package, const BlockProduct
       for (const MeasuredColumn& column : kMeasuredColumns) out.real(v.*column.value);
       out.integer(v.ray_count).optional_text(v.wood_scan_id);
       put_descriptors(out, v.descriptors);
+      out.optional_text(v.wood_from);
       RAYFIELD_CHECK(check_written(package, out.write()));
     }
   }

@@ -30,6 +30,7 @@ void add_measured_columns(Table& table) {
   table.columns.push_back({"ray_count", OFTInteger64, "rays through the panel"});
   table.columns.push_back({"wood_scan_id", OFTString, kWoodScanDescription});
   add_descriptors(table);
+  table.columns.push_back({"wood_from", OFTString, kWoodFromDescription});
 }
 
 }  // namespace
@@ -109,7 +110,8 @@ Table scan_table() {
            {"wood_scan_id", OFTString, kWoodScanDescription},
            {"leaf_note", OFTString, "what the leaf areas of the scan hold, where that is not leaves alone"},
            {"fruit_zone_low_m", OFTReal, "lower end of the fruit zone above the ground, m"},
-           {"fruit_zone_high_m", OFTReal, "upper end of the fruit zone above the ground, m"}}};
+           {"fruit_zone_high_m", OFTReal, "upper end of the fruit zone above the ground, m"},
+           {"wood_from", OFTString, kWoodFromDescription}}};
 }
 
 Table panel_value_table() {

@@ -16,7 +16,10 @@ struct MeasuredColumn {
 };
 
 inline constexpr const char* kWoodScanDescription =
-    "dormant scan whose wood was subtracted for the leaf area, see table scan; NULL: leaf area holds canes and wires";
+    "dormant scan whose wood was subtracted for the leaf area, see table scan; NULL: none, see wood_from";
+inline constexpr const char* kWoodFromDescription =
+    "what tells the wood that leaf areas are freed of: 'dormant scan'; 'shape': posts and trunks found, the rest "
+    "estimated from the canopy's size, with wide intervals; NULL: nothing, leaf areas hold canes and wires";
 inline constexpr const char* kLeafAreaPerMDescription = "one-sided leaf area per metre of row, m²/m";
 
 /// In the order of `panel_value`, `panel_by_date`, GeoJSON and CSV; everywhere ray_count follows as an integer and
@@ -25,9 +28,8 @@ inline constexpr std::array<MeasuredColumn, 12> kMeasuredColumns = {{
     {"plant_area_m2", &PanelValue::plant_area_m2,
      "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²", "plant_m2", "m2"},
     {"leaf_area_m2", &PanelValue::leaf_area_m2,
-     "one-sided leaf area: plant area less the wood that the scan wood_scan_id shows, or, where that is NULL, less "
-     "posts "
-     "and trunks only, m²; may be slightly negative where there are no leaves",
+     "one-sided leaf area: plant area less the wood that the scan wood_scan_id shows, or, where that is NULL, less an "
+     "estimate of it (wood_from), m²; may be slightly negative where there are no leaves",
      "leaf_m2", "m2"},
     {"leaf_area_per_m", &PanelValue::leaf_area_per_m, kLeafAreaPerMDescription, "leaf_per_m", "m2/m"},
     {"lai", &PanelValue::lai, "leaf area index: leaf area / (panel length × row spacing), m²/m²", "lai", "m2/m2"},

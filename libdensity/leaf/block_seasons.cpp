@@ -7,8 +7,9 @@
 namespace rayfield::density {
 
 Result<BlockSeasons> BlockSeasons::read(const tile::Store& store, const tile::Snapshot& snapshot,
-                                        const std::map<std::string, ScanTotals>& processed) {
+                                        const std::map<std::string, ScanTotals>& processed, bool by_shape) {
   BlockSeasons seasons;
+  seasons.by_shape_ = by_shape;
   std::optional<double> latitude_deg;
   for (const tile::ScanEntry& scan : snapshot.scans) {
     std::optional<ScanTotals> totals;
@@ -58,7 +59,11 @@ Result<bool> BlockSeasons::is_outdated(const tile::Store& store, const tile::Sca
     RAYFIELD_ASSIGN(used, wood_source_of(arrays));
   }
   const auto wood = wood_for(scan.scan_id, {});
-  const WoodSource due = wood ? WoodSource{wood->scan.scan_id, content_of(wood->scan)} : WoodSource{};
+  WoodSource due;
+  if (wood)
+    due = {wood->scan.scan_id, content_of(wood->scan)};
+  else if (by_shape_)
+    due.content = kWoodByShape;
   return processed && used != due;
 }
 

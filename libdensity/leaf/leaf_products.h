@@ -35,7 +35,8 @@ std::string content_of(const tile::ScanEntry& scan);
 Result<ScanResults> read_results(const ScanWork& work, const RowLayout& layout);
 
 struct LeafReport {
-  double leaf_area_m2 = 0;  ///< sum over the panels
+  double leaf_area_m2 = 0;         ///< sum over the panels
+  double low_m2 = 0, high_m2 = 0;  ///< sums of the ends of their intervals
   std::size_t panels = 0;
   std::size_t without_wood = 0;  ///< panels that have a plant area but no leaf area: the dormant scan shows too little
 };
@@ -47,6 +48,9 @@ struct LeafReport {
 /// leaf areas are 0. Needs the scan's voxels, results and rasters in its files.
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);
+
+/// The same where no dormant scan shows the wood: what is believed of it takes its place (wood_by_shape.h).
+Result<LeafReport> separate_leaves_by_shape(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels);
 
 /// Those that are in the scan's files already.
 Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout);

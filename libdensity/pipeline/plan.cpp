@@ -83,7 +83,7 @@ Result<ProcessPlan> plan_process(const tile::Store& store, const ProcessOptions&
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
   RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, scans_to_process(store, snapshot, options.dates));
   RAYFIELD_ASSIGN(BlockRegistry registry, BlockRegistry::open(store, snapshot, options));
-  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, {}));
+  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, {}, options.wood.enabled));
   ProcessPlan plan;
   plan.layout_is_new = !registry.known();
   for (const std::string& scan_id : scan_ids) {

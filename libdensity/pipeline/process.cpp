@@ -108,7 +108,32 @@ Result<void> take_or_make_plants(const tile::Store& store, ScanInWork& scan, con
   return {};
 }
 
-// Its leaves, where the block has a dormant scan; what is noteworthy about them goes into the report.
+void report_leaves(const LeafReport& leaves, ScanReport& report) {
+  if (report.panels_with_value == 0) return;
+  report.leaf_area_m2 = leaves.leaf_area_m2;
+  report.leaf_low_m2 = leaves.low_m2, report.leaf_high_m2 = leaves.high_m2;
+}
+
+// Where no dormant scan shows the wood.
+Result<void> process_leaves_by_shape(ScanInWork& scan) {
+  ScanReport& report = scan.report;
+  if (!scan.work.options.wood.enabled) {
+    report.notes.emplace_back(kWoodInLeafArea);
+    return {};
+  }
+  RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
+                                               ? read_leaves(scan.work, scan.layout)
+                                               : separate_leaves_by_shape(scan.work, scan.layout, scan.voxels));
+  report_leaves(leaves, report);
+  report.wood_from = kWoodFromShape;
+  report.notes.emplace_back(kWoodIsEstimated);
+  if (report.leaf_area_m2 && leaves.low_m2 <= 0)
+    report.notes.emplace_back(
+        "what is seen may be wood alone; if the vines bore no leaves, say so: `rayfield add … --dormant yes`");
+  return {};
+}
+
+// Its leaves; what is noteworthy about them goes into the report.
 Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string& scan_id = scan.work.scan.scan_id;
   std::vector<std::string>& notes = scan.report.notes;
@@ -116,15 +141,12 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
   const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);
-  if (!wood) {
-    notes.emplace_back(kWoodInLeafArea);
-    return {};
-  }
+  if (!wood) return process_leaves_by_shape(scan);
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)
                                                : separate_leaves(scan.work, scan.layout, scan.voxels, *wood));
-  if (scan.report.panels_with_value > 0) scan.report.leaf_area_m2 = leaves.leaf_area_m2;
-  scan.report.wood_scan_id = wood->scan.scan_id;
+  report_leaves(leaves, scan.report);
+  scan.report.wood_scan_id = wood->scan.scan_id, scan.report.wood_from = kWoodFromDormantScan;
   if (leaves.without_wood > 0)
     notes.push_back(fmt::format("{} of {} panels have no leaf area: the dormant scan {} does not show their wood",
                                 leaves.without_wood, leaves.panels, wood->scan.scan_id));
@@ -193,7 +215,7 @@ Result<ProcessReport> process(tile::Store& store, const ProcessOptions& options,
     totals[scan_id] = scan.processed.totals;
   }
   if (scans.empty()) return tl::make_unexpected(report.failed.front().error);
-  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals));
+  RAYFIELD_ASSIGN(const BlockSeasons seasons, BlockSeasons::read(store, snapshot, totals, options.wood.enabled));
   for (ScanInWork& scan : scans) {
     RAYFIELD_CHECK(take_or_make_plants(store, scan, seasons, writer, registry));
     RAYFIELD_CHECK(process_leaves(scan, seasons));

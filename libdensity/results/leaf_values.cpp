@@ -98,8 +98,9 @@ Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layo
   RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "metre_", arrays, results.row_metres.size(),
                                   [&](std::size_t i) -> RowMetreProduct& { return results.row_metres[i]; }));
   RAYFIELD_CHECK(take_profile(arrays, results));
-  for (PanelValue* value : panels) value->wood_scan_id = source.scan_id;
-  results.scan.wood_scan_id = source.scan_id;
+  const char* from = source.scan_id.empty() ? kWoodFromShape : kWoodFromDormantScan;
+  for (PanelValue* value : panels) value->wood_scan_id = source.scan_id, value->wood_from = from;
+  results.scan.wood_scan_id = source.scan_id, results.scan.wood_from = from;
   return {};
 }
 

@@ -46,13 +46,14 @@ ScanProduct describe(const tile::ScanEntry& scan) {
   return product;
 }
 
-// Puts the leaf areas in the place of what the scan's own rays say of them, where a dormant scan shows the wood.
+// Puts the leaf areas in the place of what the scan's own rays say of them, where the wood is known or estimated.
 Result<void> add_leaf_values(const tile::Store& store, const tile::ScanEntry& scan, const RowLayout& layout,
                              ScanResults& results) {
   if (const tile::DerivedEntry* entry = find_derived(scan.derived, "leaf", "block")) {
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
     RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
     if (results.scan.wood_scan_id == scan.scan_id) results.scan.leaf_note = "dormant: leaf area is 0 by definition";
+    if (results.scan.wood_from == kWoodFromShape) results.scan.leaf_note = kWoodIsEstimated;
     return {};
   }
   results.scan.leaf_note = kWoodInLeafArea;

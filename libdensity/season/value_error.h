@@ -12,7 +12,8 @@ struct ValueError {
   double shared = 0;  ///< common to all voxels of the scan
 };
 
-/// From se_leaf_area_m2 and ci_high_m2 (ci_low_m2 is cut at 0): shared² = ((ci_high − leaf)/1.96)² − own².
+/// From se_leaf_area_m2 and ci_high_m2 (ci_low_m2 is cut at 0): shared² = ((ci_high − leaf)/1.96)² − own². Where the
+/// wood is estimated, intervals reach further on one side; then the further one counts.
 ValueError error_of(const PanelValue& value);
 
 }  // namespace rayfield::density

@@ -31,7 +31,7 @@ BlockProducts hostile_block() {
   values[0].lai = kNan;
   values[1].leaf_area_per_m = kNan;
   values[2].leaf_area_m2 = -0.1 - 0.2;
-  values[2].wood_scan_id = "winter";
+  values[2].wood_scan_id = "winter", values[2].wood_from = kWoodFromDormantScan;
   return block;
 }
 
@@ -99,6 +99,7 @@ void expect_reads_back(const BlockProducts& block, const Reading& reading) {
     expect_text(*feature, name("farm"), block.farm);
     expect_text(*feature, name("variety"), block.variety);
     expect_text(*feature, name("wood_scan_id"), value.wood_scan_id);
+    expect_text(*feature, name("wood_from"), value.wood_from);
     expect_number(*feature, name("row_number"), block.panels[i].row_number, 0);
     expect_number(*feature, name("lai"), value.lai, reading.tolerance);
     expect_number(*feature, name("leaf_area_m2"), value.leaf_area_m2, reading.tolerance);

@@ -103,7 +103,7 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
       {"scan",
        {"scan_id", "scan_date", "start_utc", "end_utc", "name", "ray_count", "offset_e_m", "offset_n_m", "offset_h_m",
         "yaw_mrad", "residual_m", "landmarks", "aligned", "wood_scan_id", "leaf_note", "fruit_zone_low_m",
-        "fruit_zone_high_m"}},
+        "fruit_zone_high_m", "wood_from"}},
       {"panel_value",
        {"panel_uid",
         "scan_id",
@@ -128,7 +128,8 @@ TEST(GeoPackage, TablesHaveTheColumnsOfTheContract) {
         "leaf_layer_number",
         "exposed_leaf_share",
         "fruit_zone_area_per_m",
-        "fruit_zone_density"}},
+        "fruit_zone_density",
+        "wood_from"}},
       {"panel_profile",
        {"panel_uid", "scan_id", "scan_date", "height_low_m", "height_high_m", "plant_area_m2", "leaf_area_m2"}},
       {"row_metre",
@@ -161,7 +162,8 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   PanelValue& first = block.scans[1].panel_values[0];
   first.leaf_area_m2 = 0.1 + 0.2;  // needs all 17 digits
   first.lai = kNan;
-  first.wood_scan_id = "scan-2018-12-12";
+  first.wood_scan_id = "scan-2018-12-12", first.wood_from = kWoodFromDormantScan;
+  block.scans[0].scan.wood_from = kWoodFromShape;
   block.scans[0].scan.leaf_note = "dormant";
   block.scans[0].scan.fruit_zone_low_m = 0.75;
   first.descriptors.exposed_leaf_share = kNan;
@@ -189,6 +191,9 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   EXPECT_EQ(real("se_plant_area_m2"), 0.1875);
   EXPECT_STREQ(row->GetFieldAsString("wood_scan_id"), "scan-2018-12-12");
   EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_scan_id IS NULL"), "11") << "none, not ''";
+  EXPECT_STREQ(row->GetFieldAsString("wood_from"), "dormant scan");
+  EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_from IS NULL"), "11");
+  EXPECT_EQ(reader.value("SELECT wood_from FROM scan WHERE scan_id = 'scan-2018-12-12'"), "shape");
   EXPECT_EQ(real("canopy_base_m"), 0.875);
   EXPECT_EQ(real("porosity"), 0.1875);
   EXPECT_EQ(real("leaf_layer_number"), 2.5);

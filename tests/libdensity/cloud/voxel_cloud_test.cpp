@@ -31,7 +31,9 @@ class VoxelCloudTest : public ::testing::Test {
  protected:
   void SetUp() override {
     block_.add(kDate, drive_with(0.5, 1));
-    block_.process();
+    ProcessOptions options;
+    options.wood.enabled = false;  // leaf areas are of all that is not masked, as the densities are
+    block_.process({}, options);
     snapshot_ = block_.snapshot();
   }
   const tile::ScanEntry& scan() const { return *snapshot_.find_scan(kDate); }

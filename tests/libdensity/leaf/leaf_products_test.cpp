@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "tests/libdensity/simulated_block.h"
 
@@ -33,19 +35,86 @@ double plant_area(const ScanResults& results) {
   return area;
 }
 
-TEST(LeafProducts, WithoutADormantScanLeafAreasHoldTheWoodAndSaySo) {
+/// The sums of the panels' intervals hold the truth, and leaf areas of half metres and of the map add up to those of
+/// the panels.
+void expect_truth_held(Block& block, const std::string& scan_id, const testing::Drive& drive) {
+  const ScanResults results = block.results(scan_id);
+  double panels = 0, metres = 0, low = 0, high = 0;
+  for (const PanelValue& value : results.panel_values) {
+    panels += value.leaf_area_m2, low += value.ci_low_m2, high += value.ci_high_m2;
+    EXPECT_LE(value.ci_low_m2, value.leaf_area_m2);
+    EXPECT_GE(value.ci_high_m2, value.leaf_area_m2);
+    EXPECT_EQ(value.wood_from, kWoodFromShape);
+    EXPECT_EQ(value.wood_scan_id, "");
+  }
+  EXPECT_LE(low, drive.leaf_area_m2);
+  EXPECT_GE(high, drive.leaf_area_m2);
+  for (const RowMetreProduct& metre : results.row_metres) metres += 0.5 * metre.leaf_area_per_m;
+  EXPECT_NEAR(metres, panels, 1e-6 * panels);
+  double map = 0;
+  const tile::Snapshot snapshot = block.snapshot();
+  const auto scan = std::find_if(snapshot.scans.begin(), snapshot.scans.end(),
+                                 [&](const tile::ScanEntry& entry) { return entry.scan_id == scan_id; });
+  const RasterProduct raster = testing::take(load_raster(block.store(), snapshot, *scan, kLeafRasterName));
+  for (const float cell : raster.grid.values)
+    if (std::isfinite(cell)) map += static_cast<double>(cell) * raster.grid.cell_m * raster.grid.cell_m;
+  EXPECT_NEAR(map, panels, 1e-4 * panels);
+  EXPECT_EQ(results.scan.wood_from, kWoodFromShape);
+  EXPECT_THAT(results.scan.leaf_note, HasSubstr("without a dormant scan"));
+}
+
+TEST(LeafProducts, WithoutADormantScanAreEstimatesWhoseIntervalsHoldTheTruth) {
+  Block block;
+  const testing::Drive& leafy = drive_with(kHalf, kFirst);
+  block.add("2019-11-20", leafy);
+  const ProcessReport report = block.process();
+  EXPECT_EQ(report.scans[0].wood_from, kWoodFromShape);
+  EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("without a dormant scan")));
+  EXPECT_LT(report.scans[0].leaf_low_m2, leafy.leaf_area_m2);
+  EXPECT_GT(report.scans[0].leaf_high_m2, leafy.leaf_area_m2);
+  EXPECT_NEAR(*report.scans[0].leaf_area_m2, leaf_area(block.results("2019-11-20")), 1e-9);
+  expect_truth_held(block, "2019-11-20", leafy);
+  EXPECT_THAT(raster_names(block.snapshot().scans[0]), Contains(kLeafRasterName));
+  EXPECT_EQ(block.process().scans[0].files_made, 0U);
+}
+
+TEST(LeafProducts, OfABareScanThatIsTakenForALeafyOneReachDownToNone) {
+  Block block;
+  const testing::Drive& bare = drive_with(0, kSecond);
+  block.add("2019-10-05", bare);
+  const ProcessReport report = block.process();
+  ASSERT_EQ(report.scans[0].wood_from, kWoodFromShape) << "of no leafless month";
+  EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("may be wood alone")));
+  for (const PanelValue& value : block.results("2019-10-05").panel_values) {
+    EXPECT_EQ(value.ci_low_m2, 0);
+    EXPECT_LT(value.leaf_area_m2, 0.5 * value.ci_high_m2);
+  }
+}
+
+TEST(LeafProducts, OfABareScanAloneInWinterAreZero) {
+  Block block;
+  block.add("2019-08-01", drive_with(0, kSecond));
+  const ProcessReport report = block.process();
+  EXPECT_EQ(report.scans[0].wood_from, kWoodFromDormantScan);
+  EXPECT_EQ(report.scans[0].leaf_area_m2, 0);
+}
+
+TEST(LeafProducts, HoldTheWoodWhereTheUserDoesNotWantItEstimated) {
   Block block;
   block.add("2019-11-20", drive_with(kHalf, kFirst));
-  const ProcessReport report = block.process();
+  ProcessOptions options;
+  options.wood.enabled = false;
+  const ProcessReport report = block.process({}, options);
   EXPECT_EQ(report.scans[0].leaf_area_m2, std::nullopt);
   EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("the block has no dormant scan")));
   const ScanResults results = block.results("2019-11-20");
   EXPECT_THAT(results.scan.leaf_note, HasSubstr("holds canes and wires"));
-  EXPECT_EQ(results.scan.wood_scan_id, "");
+  EXPECT_EQ(results.scan.wood_from, "");
   EXPECT_EQ(results.panel_values[0].wood_scan_id, "");
   EXPECT_GT(leaf_area(results), 1.1 * drive_with(kHalf, kFirst).leaf_area_m2);
   EXPECT_EQ(results.panel_values[0].se_plant_area_m2, results.panel_values[0].se_leaf_area_m2);
   EXPECT_THAT(raster_names(block.snapshot().scans[0]), Not(Contains(kLeafRasterName)));
+  EXPECT_EQ(block.process({}, options).scans[0].files_made, 0U);
 }
 
 TEST(LeafProducts, ADormantScanAddedLaterChangesLeafAreasAndNothingElse) {
@@ -58,7 +127,10 @@ TEST(LeafProducts, ADormantScanAddedLaterChangesLeafAreasAndNothingElse) {
 
   block.add("2019-08-01", drive_with(0, kSecond));
   const ProcessReport report = block.process();
-  for (const auto& [name, path] : before) EXPECT_EQ(block.derived("2019-11-20")[name], path) << name;
+  for (const auto& [name, path] : before) {
+    const bool of_leaves = name == "leaf/block" || name == std::string("raster/") + kLeafRasterName;
+    EXPECT_EQ(block.derived("2019-11-20")[name] != path, of_leaves) << name << ": the dormant scan takes over";
+  }
   const tile::Snapshot snapshot = block.snapshot();
   std::size_t wood_files = 0;
   for (const auto& [name, path] : block.derived("2019-11-20")) wood_files += name.rfind("voxels/wood_", 0) == 0 ? 1 : 0;
@@ -70,6 +142,7 @@ TEST(LeafProducts, ADormantScanAddedLaterChangesLeafAreasAndNothingElse) {
   const ScanResults results = block.results("2019-11-20");
   EXPECT_EQ(results.scan.wood_scan_id, "2019-08-01");
   EXPECT_EQ(results.scan.leaf_note, "");
+  EXPECT_EQ(results.scan.wood_from, kWoodFromDormantScan);
   EXPECT_EQ(results.panel_values[0].wood_scan_id, "2019-08-01");
   EXPECT_EQ(plant_area(results), plant_area(with_wood));
   EXPECT_NEAR(leaf_area(results), leafy.leaf_area_m2, 0.06 * leafy.leaf_area_m2);
@@ -168,9 +241,9 @@ TEST(LeafProducts, WhatIsSaidOfAScanRulesAndCanBeTakenBack) {
   ASSERT_TRUE(block.store().set_dormant("2019-08-01", false, "test"));
   const ProcessReport report = block.process();
   EXPECT_EQ(block.results("2019-11-20").scan.wood_scan_id, "");
-  EXPECT_EQ(block.derived("2019-11-20").count("leaf/block"), 0U);
+  EXPECT_EQ(block.results("2019-11-20").scan.wood_from, kWoodFromShape);
   EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("not dormant, as declared")));
-  EXPECT_THAT(report.scans[1].notes, Contains(HasSubstr("holds canes and wires")));
+  EXPECT_THAT(report.scans[1].notes, Contains(HasSubstr("without a dormant scan")));
 }
 
 }  // namespace

@@ -15,10 +15,11 @@ namespace {
 
 template <class Options>
 class EveryOptionOf : public ::testing::Test {};
-using AllOptions = ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions,
-                                    PostOptions, RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles,
-                                    VoxelOptions, EstimatorOptions, IntegrationOptions, PlanRasterOptions, LeafOptions,
-                                    DescriptorOptions, MissingRayOptions, GapOptions, ComparisonOptions, ZoneOptions>;
+using AllOptions =
+    ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions, PostOptions,
+                     RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions,
+                     IntegrationOptions, PlanRasterOptions, LeafOptions, DescriptorOptions, ShapeWoodOptions,
+                     MissingRayOptions, GapOptions, ComparisonOptions, ZoneOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 
 TYPED_TEST(EveryOptionOf, TheStructIsVisitedAndItsDefaultIsValid) {

@@ -38,6 +38,17 @@ TEST(Season, RowsAndTheBlockAreTheirPanelsTogetherWithBothErrors) {
   EXPECT_NEAR(2.5 - values[1].ci_low_per_m, testing::kRoot * std::hypot(0.5, 0.75) / 12, 1e-9);
 }
 
+TEST(Season, WhereTheWoodIsEstimatedTheFurtherEndOfAPanelsIntervalCounts) {
+  BlockProducts block = block_of({{value_of(12, 0.3, 0.025)}});
+  PanelValue& value = block.scans[0].panel_values[0];
+  const double near = value.ci_high_m2 - value.leaf_area_m2;
+  value.ci_low_m2 = value.leaf_area_m2 - 5;
+  EXPECT_NEAR(season_values(block)[0].ci_high_per_m - 2, near / 6, 1e-9);
+  value.wood_from = kWoodFromShape;
+  EXPECT_NEAR(season_values(block)[0].ci_high_per_m - 2, 5.0 / 6, 1e-9);
+  EXPECT_NEAR(2 - season_values(block)[0].ci_low_per_m, 5.0 / 6, 1e-9);
+}
+
 TEST(Season, WhatWasNotSeenIsLeftOutAndCounted) {
   const auto values = season_values(block_of(
       {{value_of(12, 0.3, 0.025), unseen(), unseen(), unseen()},

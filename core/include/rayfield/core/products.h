@@ -45,6 +45,10 @@ struct PostProduct {
   std::string row_name = {}, valid_from = {}, valid_to = {}, source = {};
 };
 
+/// Values of `wood_from`: what tells the wood that leaf areas are freed of. Empty: nothing, they hold it.
+inline constexpr const char* kWoodFromDormantScan = "dormant scan";
+inline constexpr const char* kWoodFromShape = "shape";
+
 /// How dense, open and continuous the canopy of a stretch of row is (docs/descriptors.md). Values along lines across
 /// the row are averaged over the canopy's outline seen from the side: all half metres that are not gaps, each between
 /// its own lower and upper edge. NaN = not scanned, or undefined because there is no canopy.
@@ -75,14 +79,14 @@ struct ScanProduct {
   std::string leaf_note;     ///< what the leaf areas include where it is not leaves alone
   double fruit_zone_low_m = CanopyDescriptors::kUndefined;  ///< heights between which the fruit zone was taken
   double fruit_zone_high_m = CanopyDescriptors::kUndefined;
+  std::string wood_from = {};  ///< kWoodFromDormantScan, kWoodFromShape, or empty
 };
 
 /// One panel on one date. Areas are one-sided.
 struct PanelValue {
   std::string panel_uid, scan_id, scan_date;
   double plant_area_m2 = 0;  ///< everything that stops rays: leaves, wood, posts, wires
-  double leaf_area_m2 =
-      0;  ///< plant area less the wood of a dormant scan, or less posts and trunks where there is none
+  double leaf_area_m2 = 0;   ///< plant area less the wood that `wood_from` tells
   double leaf_area_per_m = 0;
   double lai = 0;  ///< leaf area / (panel length × row spacing)
   double se_leaf_area_m2 = 0;
@@ -93,8 +97,9 @@ struct PanelValue {
   double observed_fraction = 0;  ///< share of voxels crossed by at least two rays
   std::int64_t ray_count = 0;
   double se_plant_area_m2 = 0;
-  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: leaf_area_m2 includes canes and wires
+  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: none
   CanopyDescriptors descriptors = {};
+  std::string wood_from = {};  ///< as the scan's
 };
 
 /// The areas of a panel between two heights above the ground, on one date. Bands of a panel add up to its areas.

@@ -20,7 +20,11 @@ inline constexpr const char* kLeafRasterName = "leaf_density";
 /// Those that the store holds for a scan, in that order.
 std::vector<std::string> raster_names(const tile::ScanEntry& scan);
 
-/// Of scans whose wood is not known.
+/// Of scans whose wood no dormant scan shows.
+inline constexpr const char* kWoodIsEstimated =
+    "without a dormant scan cordons, canes, branches and wires are estimated from the canopy's size: the intervals of "
+    "leaf areas are wide, and a scan of the bare vines will narrow them";
+/// And where they are not estimated either.
 inline constexpr const char* kWoodInLeafArea = "leaf area holds canes and wires: the block has no dormant scan";
 
 /// The block's rows, panels, posts and the results of the scans named (all if empty), in the order of their dates.

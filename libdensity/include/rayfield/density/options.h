@@ -236,6 +236,24 @@ struct LeafOptions {
   Result<void> validate() const;
 };
 
+/// Cordons, canes, branches and wires where no dormant scan shows them (docs/density.md, "Without a dormant scan").
+struct ShapeWoodOptions {
+  bool enabled = true;
+  double per_side = 0.18;
+  double spread = 1.8;
+
+  template <class Self, class Visitor>
+  static void visit_fields(Self& o, Visitor& v) {
+    v.flag("enabled", o.enabled, "false: without a dormant scan leaf areas hold all wood but posts and trunks");
+    v.number(
+        "per_side", o.per_side, {0.001, 5},
+        "Half the surface of that wood, m² per m² of the canopy's side: what vines and orchards have in the middle");
+    v.number("spread", o.spread, {1.01, 10},
+             "Two of three vineyards and orchards have between this times less and this times more");
+  }
+  Result<void> validate() const;
+};
+
 /// Maps.
 struct PlanRasterOptions {
   double cell_m = 0.10;
@@ -267,6 +285,7 @@ struct ProcessOptions {
   PlanRasterOptions plan;
   LeafOptions leaf;
   DescriptorOptions descriptors;
+  ShapeWoodOptions wood;
 
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
   bool redo = false;                                    ///< make everything anew; for all scans, the layout too
@@ -290,6 +309,7 @@ struct ProcessOptions {
     v.group("plan", o.plan);
     v.group("leaf", o.leaf);
     v.group("descriptors", o.descriptors);
+    v.group("wood", o.wood);
   }
   /// Ranges, and what has to fit together.
   Result<void> validate() const;
