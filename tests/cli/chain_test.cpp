@@ -79,7 +79,8 @@ TEST_F(Chain, ProcessesOnlyWhatChanged) {
 
   const auto estimator =
       nlohmann::json::parse(rayfield({"process", store, "--estimator", "paper", "--json", "-q"}).out);
-  // Results, four rasters, leaf areas and their raster, the estimation, totals, and that the scan is whole; no counters.
+  // Results, four rasters, leaf areas and their raster, the estimation, totals, and that the scan is whole; no
+  // counters.
   EXPECT_LE(estimator["scans"][0]["files_made"], 10) << "another estimator needs no new count of rays";
 }
 
