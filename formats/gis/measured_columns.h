@@ -18,7 +18,7 @@ struct MeasuredColumn {
 inline constexpr const char* kWoodScanDescription =
     "dormant scan whose wood was subtracted for the leaf area, see table scan; NULL: none, see wood_from";
 inline constexpr const char* kWoodFromDescription =
-    "what tells the wood that leaf areas are freed of: 'dormant scan'; 'shape': posts and trunks found, the rest "
+    "what tells the wood that leaf areas are freed of: 'dormant scan'; 'estimate': posts and trunks found, the rest "
     "estimated from the canopy's size, with wide intervals; NULL: nothing, leaf areas hold canes and wires";
 inline constexpr const char* kLeafAreaPerMDescription = "one-sided leaf area per metre of row, m²/m";
 

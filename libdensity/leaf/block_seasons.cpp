@@ -7,9 +7,9 @@
 namespace rayfield::density {
 
 Result<BlockSeasons> BlockSeasons::read(const tile::Store& store, const tile::Snapshot& snapshot,
-                                        const std::map<std::string, ScanTotals>& processed, bool by_shape) {
+                                        const std::map<std::string, ScanTotals>& processed, bool by_estimate) {
   BlockSeasons seasons;
-  seasons.by_shape_ = by_shape;
+  seasons.by_estimate_ = by_estimate;
   std::optional<double> latitude_deg;
   for (const tile::ScanEntry& scan : snapshot.scans) {
     std::optional<ScanTotals> totals;
@@ -62,8 +62,8 @@ Result<bool> BlockSeasons::is_outdated(const tile::Store& store, const tile::Sca
   WoodSource due;
   if (wood)
     due = {wood->scan.scan_id, content_of(wood->scan)};
-  else if (by_shape_)
-    due.content = kWoodByShape;
+  else if (by_estimate_)
+    due.content = kWoodByEstimate;
   return processed && used != due;
 }
 

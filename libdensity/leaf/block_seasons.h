@@ -15,10 +15,10 @@ namespace rayfield::density {
 /// The scans of a block, in the order of the snapshot, and whose wood stands for which.
 class BlockSeasons {
  public:
-  /// `processed`: totals of the scans processed just now, by scan id; those of the others are read. `by_shape`: where
-  /// there is no dormant scan, wood is estimated (ShapeWoodOptions::enabled).
+  /// `processed`: totals of the scans processed just now, by scan id; those of the others are read. `by_estimate`:
+  /// where there is no dormant scan, wood is estimated (WoodPriorOptions::enabled).
   static Result<BlockSeasons> read(const tile::Store& store, const tile::Snapshot& snapshot,
-                                   const std::map<std::string, ScanTotals>& processed, bool by_shape);
+                                   const std::map<std::string, ScanTotals>& processed, bool by_estimate);
 
   /// The dormant scan whose wood is to be subtracted from that of `scan_id`; nothing where the block has none.
   std::optional<WoodScan> wood_for(const std::string& scan_id, const VoxelOptions& voxels) const;
@@ -35,7 +35,7 @@ class BlockSeasons {
   std::vector<ScanSeason> scans_;
   std::vector<std::optional<ScanTotals>> totals_;
   std::vector<DormantVerdict> verdicts_;
-  bool by_shape_ = false;
+  bool by_estimate_ = false;
 };
 
 }  // namespace rayfield::density

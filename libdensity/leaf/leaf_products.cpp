@@ -10,7 +10,7 @@
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"
 #include "libdensity/leaf/slab_shadow.h"
-#include "libdensity/leaf/wood_by_shape.h"
+#include "libdensity/leaf/wood_estimate.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
@@ -241,14 +241,14 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   });
 }
 
-Result<LeafReport> separate_leaves_by_shape(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels) {
-  KeyBuilder key("leaf by shape", kLeafByShapeVersion);
+Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels) {
+  KeyBuilder key("leaf by estimate", kLeafByEstimateVersion);
   key.add(option_numbers(work.options.wood));
   add_plants(work, voxels, key);
   RAYFIELD_ASSIGN(const ScanResults results, read_results(work, layout));
   return keep_leaves(work, layout, key.hex(), [&]() -> Result<LeafMaps> {
     RAYFIELD_ASSIGN(LeafMaps maps, take_out_of_rows(work, layout, voxels, results));
-    maps.values.wood_content = kWoodByShape;
+    maps.values.wood_content = kWoodByEstimate;
     return maps;
   });
 }

@@ -49,8 +49,8 @@ struct LeafReport {
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);
 
-/// The same where no dormant scan shows the wood: what is believed of it takes its place (wood_by_shape.h).
-Result<LeafReport> separate_leaves_by_shape(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels);
+/// The same where no dormant scan shows the wood: what is believed of it takes its place (wood_estimate.h).
+Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels);
 
 /// Those that are in the scan's files already.
 Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout);

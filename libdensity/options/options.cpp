@@ -60,7 +60,7 @@ Result<void> EstimatorOptions::validate() const { return check_option_ranges(*th
 
 Result<void> IntegrationOptions::validate() const { return check_option_ranges(*this, "bad integration option"); }
 
-Result<void> ShapeWoodOptions::validate() const { return check_option_ranges(*this, "bad wood option"); }
+Result<void> WoodPriorOptions::validate() const { return check_option_ranges(*this, "bad wood option"); }
 
 Result<void> LeafOptions::validate() const { return check_option_ranges(*this, "bad leaf area option"); }
 

@@ -115,7 +115,7 @@ void report_leaves(const LeafReport& leaves, ScanReport& report) {
 }
 
 // Where no dormant scan shows the wood.
-Result<void> process_leaves_by_shape(ScanInWork& scan) {
+Result<void> process_leaves_by_estimate(ScanInWork& scan) {
   ScanReport& report = scan.report;
   if (!scan.work.options.wood.enabled) {
     report.notes.emplace_back(kWoodInLeafArea);
@@ -123,9 +123,9 @@ Result<void> process_leaves_by_shape(ScanInWork& scan) {
   }
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)
-                                               : separate_leaves_by_shape(scan.work, scan.layout, scan.voxels));
+                                               : separate_leaves_by_estimate(scan.work, scan.layout, scan.voxels));
   report_leaves(leaves, report);
-  report.wood_from = kWoodFromShape;
+  report.wood_from = kWoodFromEstimate;
   report.notes.emplace_back(kWoodIsEstimated);
   if (report.leaf_area_m2 && leaves.low_m2 <= 0)
     report.notes.emplace_back(
@@ -141,7 +141,7 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
   const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);
-  if (!wood) return process_leaves_by_shape(scan);
+  if (!wood) return process_leaves_by_estimate(scan);
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)
                                                : separate_leaves(scan.work, scan.layout, scan.voxels, *wood));

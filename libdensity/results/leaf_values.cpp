@@ -98,7 +98,7 @@ Result<void> put_leaf_values(const tile::ArraySet& arrays, const RowLayout& layo
   RAYFIELD_CHECK(take_descriptors(kLeafDescriptors, "metre_", arrays, results.row_metres.size(),
                                   [&](std::size_t i) -> RowMetreProduct& { return results.row_metres[i]; }));
   RAYFIELD_CHECK(take_profile(arrays, results));
-  const char* from = source.scan_id.empty() ? kWoodFromShape : kWoodFromDormantScan;
+  const char* from = source.scan_id.empty() ? kWoodFromEstimate : kWoodFromDormantScan;
   for (PanelValue* value : panels) value->wood_scan_id = source.scan_id, value->wood_from = from;
   results.scan.wood_scan_id = source.scan_id, results.scan.wood_from = from;
   return {};

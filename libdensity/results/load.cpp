@@ -53,7 +53,7 @@ Result<void> add_leaf_values(const tile::Store& store, const tile::ScanEntry& sc
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(*entry));
     RAYFIELD_CHECK(put_leaf_values(arrays, layout, results));
     if (results.scan.wood_scan_id == scan.scan_id) results.scan.leaf_note = "dormant: leaf area is 0 by definition";
-    if (results.scan.wood_from == kWoodFromShape) results.scan.leaf_note = kWoodIsEstimated;
+    if (results.scan.wood_from == kWoodFromEstimate) results.scan.leaf_note = kWoodIsEstimated;
     return {};
   }
   results.scan.leaf_note = kWoodInLeafArea;

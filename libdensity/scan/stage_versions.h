@@ -19,12 +19,12 @@ inline constexpr int kResultsVersion = 6;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
 inline constexpr int kLeafVersion = 4;
-inline constexpr int kLeafByShapeVersion = 1;
+inline constexpr int kLeafByEstimateVersion = 1;
 
 inline std::vector<double> stage_versions() {
-  return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,   kProfileVersion,
-          kVoxelSizeVersion,  kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,     kResultsVersion,
-          kEstimationVersion, kTotalsVersion, kLeafVersion,        kLeafByShapeVersion};
+  return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,      kProfileVersion,
+          kVoxelSizeVersion,  kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,        kResultsVersion,
+          kEstimationVersion, kTotalsVersion, kLeafVersion,        kLeafByEstimateVersion};
 }
 
 }  // namespace rayfield::density

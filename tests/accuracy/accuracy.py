@@ -150,7 +150,7 @@ def against_truth(out, scan_id, truth, crs):
     if pairs and any(v.get("wood_from") for v in values):
         figures["leaf"] = leaf_figures(pairs)
         figures["leaf"]["half_metres"] = half_metre_errors(gpkg, scan_id, read_csv(f"{truth}/metres.csv"), frame)
-        figures["leaf"]["wood"] = next((v["wood_scan_id"] for v in values if v.get("wood_scan_id")), "shape")
+        figures["leaf"]["wood"] = next((v["wood_scan_id"] for v in values if v.get("wood_scan_id")), "estimate")
 
     true_rows = read_csv(f"{truth}/rows.csv")
     found = rows_of(gpkg, "vine_row")
@@ -234,7 +234,7 @@ def half_metre_errors(gpkg, scan_id, true_metres, frame):
 def leaf_misses(f, dormant):
     """`dormant`: the scan is its own wood, and its leaf area known."""
     out = ["leaf panels"] if f["unknown"] else []
-    if f["wood"] == "shape":
+    if f["wood"] == "estimate":
         return out + (["leaf intervals"] if f["held"] < TARGETS["held"] * f["panels"] else [])
     if f["true_m2"] > 0:
         if not TARGETS["leaf_ratio"][0] <= 1 + f["bias_m2"] / f["true_m2"] <= TARGETS["leaf_ratio"][1]:

@@ -163,7 +163,7 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   first.leaf_area_m2 = 0.1 + 0.2;  // needs all 17 digits
   first.lai = kNan;
   first.wood_scan_id = "scan-2018-12-12", first.wood_from = kWoodFromDormantScan;
-  block.scans[0].scan.wood_from = kWoodFromShape;
+  block.scans[0].scan.wood_from = kWoodFromEstimate;
   block.scans[0].scan.leaf_note = "dormant";
   block.scans[0].scan.fruit_zone_low_m = 0.75;
   first.descriptors.exposed_leaf_share = kNan;
@@ -193,7 +193,7 @@ TEST(GeoPackage, ValuesComeBackExactlyAndNanIsNull) {
   EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_scan_id IS NULL"), "11") << "none, not ''";
   EXPECT_STREQ(row->GetFieldAsString("wood_from"), "dormant scan");
   EXPECT_EQ(reader.value("SELECT count(*) FROM panel_value WHERE wood_from IS NULL"), "11");
-  EXPECT_EQ(reader.value("SELECT wood_from FROM scan WHERE scan_id = 'scan-2018-12-12'"), "shape");
+  EXPECT_EQ(reader.value("SELECT wood_from FROM scan WHERE scan_id = 'scan-2018-12-12'"), "estimate");
   EXPECT_EQ(real("canopy_base_m"), 0.875);
   EXPECT_EQ(real("porosity"), 0.1875);
   EXPECT_EQ(real("leaf_layer_number"), 2.5);

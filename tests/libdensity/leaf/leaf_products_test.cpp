@@ -44,7 +44,7 @@ void expect_truth_held(Block& block, const std::string& scan_id, const testing::
     panels += value.leaf_area_m2, low += value.ci_low_m2, high += value.ci_high_m2;
     EXPECT_LE(value.ci_low_m2, value.leaf_area_m2);
     EXPECT_GE(value.ci_high_m2, value.leaf_area_m2);
-    EXPECT_EQ(value.wood_from, kWoodFromShape);
+    EXPECT_EQ(value.wood_from, kWoodFromEstimate);
     EXPECT_EQ(value.wood_scan_id, "");
   }
   EXPECT_LE(low, drive.leaf_area_m2);
@@ -59,7 +59,7 @@ void expect_truth_held(Block& block, const std::string& scan_id, const testing::
   for (const float cell : raster.grid.values)
     if (std::isfinite(cell)) map += static_cast<double>(cell) * raster.grid.cell_m * raster.grid.cell_m;
   EXPECT_NEAR(map, panels, 1e-4 * panels);
-  EXPECT_EQ(results.scan.wood_from, kWoodFromShape);
+  EXPECT_EQ(results.scan.wood_from, kWoodFromEstimate);
   EXPECT_THAT(results.scan.leaf_note, HasSubstr("without a dormant scan"));
 }
 
@@ -68,7 +68,7 @@ TEST(LeafProducts, WithoutADormantScanAreEstimatesWhoseIntervalsHoldTheTruth) {
   const testing::Drive& leafy = drive_with(kHalf, kFirst);
   block.add("2019-11-20", leafy);
   const ProcessReport report = block.process();
-  EXPECT_EQ(report.scans[0].wood_from, kWoodFromShape);
+  EXPECT_EQ(report.scans[0].wood_from, kWoodFromEstimate);
   EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("without a dormant scan")));
   EXPECT_LT(report.scans[0].leaf_low_m2, leafy.leaf_area_m2);
   EXPECT_GT(report.scans[0].leaf_high_m2, leafy.leaf_area_m2);
@@ -83,7 +83,7 @@ TEST(LeafProducts, OfABareScanThatIsTakenForALeafyOneReachDownToNone) {
   const testing::Drive& bare = drive_with(0, kSecond);
   block.add("2019-10-05", bare);
   const ProcessReport report = block.process();
-  ASSERT_EQ(report.scans[0].wood_from, kWoodFromShape) << "of no leafless month";
+  ASSERT_EQ(report.scans[0].wood_from, kWoodFromEstimate) << "of no leafless month";
   EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("may be wood alone")));
   for (const PanelValue& value : block.results("2019-10-05").panel_values) {
     EXPECT_EQ(value.ci_low_m2, 0);
@@ -241,7 +241,7 @@ TEST(LeafProducts, WhatIsSaidOfAScanRulesAndCanBeTakenBack) {
   ASSERT_TRUE(block.store().set_dormant("2019-08-01", false, "test"));
   const ProcessReport report = block.process();
   EXPECT_EQ(block.results("2019-11-20").scan.wood_scan_id, "");
-  EXPECT_EQ(block.results("2019-11-20").scan.wood_from, kWoodFromShape);
+  EXPECT_EQ(block.results("2019-11-20").scan.wood_from, kWoodFromEstimate);
   EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("not dormant, as declared")));
   EXPECT_THAT(report.scans[1].notes, Contains(HasSubstr("without a dormant scan")));
 }

@@ -18,7 +18,7 @@ class EveryOptionOf : public ::testing::Test {};
 using AllOptions =
     ::testing::Types<SurveyOptions, GroundOptions, CanopyMapOptions, PassOptions, RowOptions, PostOptions,
                      RegistryOptions, RowSegmentOptions, VoxelFitOptions, LeafAngles, VoxelOptions, EstimatorOptions,
-                     IntegrationOptions, PlanRasterOptions, LeafOptions, DescriptorOptions, ShapeWoodOptions,
+                     IntegrationOptions, PlanRasterOptions, LeafOptions, DescriptorOptions, WoodPriorOptions,
                      MissingRayOptions, GapOptions, ComparisonOptions, ZoneOptions>;
 TYPED_TEST_SUITE(EveryOptionOf, AllOptions);
 

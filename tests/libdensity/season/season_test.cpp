@@ -44,7 +44,7 @@ TEST(Season, WhereTheWoodIsEstimatedTheFurtherEndOfAPanelsIntervalCounts) {
   const double near = value.ci_high_m2 - value.leaf_area_m2;
   value.ci_low_m2 = value.leaf_area_m2 - 5;
   EXPECT_NEAR(season_values(block)[0].ci_high_per_m - 2, near / 6, 1e-9);
-  value.wood_from = kWoodFromShape;
+  value.wood_from = kWoodFromEstimate;
   EXPECT_NEAR(season_values(block)[0].ci_high_per_m - 2, 5.0 / 6, 1e-9);
   EXPECT_NEAR(2 - season_values(block)[0].ci_low_per_m, 5.0 / 6, 1e-9);
 }

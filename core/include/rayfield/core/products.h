@@ -47,7 +47,7 @@ struct PostProduct {
 
 /// Values of `wood_from`: what tells the wood that leaf areas are freed of. Empty: nothing, they hold it.
 inline constexpr const char* kWoodFromDormantScan = "dormant scan";
-inline constexpr const char* kWoodFromShape = "shape";
+inline constexpr const char* kWoodFromEstimate = "estimate";
 
 /// How dense, open and continuous the canopy of a stretch of row is (docs/descriptors.md). Values along lines across
 /// the row are averaged over the canopy's outline seen from the side: all half metres that are not gaps, each between
@@ -79,7 +79,7 @@ struct ScanProduct {
   std::string leaf_note;     ///< what the leaf areas include where it is not leaves alone
   double fruit_zone_low_m = CanopyDescriptors::kUndefined;  ///< heights between which the fruit zone was taken
   double fruit_zone_high_m = CanopyDescriptors::kUndefined;
-  std::string wood_from = {};  ///< kWoodFromDormantScan, kWoodFromShape, or empty
+  std::string wood_from = {};  ///< kWoodFromDormantScan, kWoodFromEstimate, or empty
 };
 
 /// One panel on one date. Areas are one-sided.

@@ -237,7 +237,7 @@ struct LeafOptions {
 };
 
 /// Cordons, canes, branches and wires where no dormant scan shows them (docs/density.md, "Without a dormant scan").
-struct ShapeWoodOptions {
+struct WoodPriorOptions {
   bool enabled = true;
   double per_side = 0.18;
   double spread = 1.8;
@@ -285,7 +285,7 @@ struct ProcessOptions {
   PlanRasterOptions plan;
   LeafOptions leaf;
   DescriptorOptions descriptors;
-  ShapeWoodOptions wood;
+  WoodPriorOptions wood;
 
   std::vector<std::string> dates;                       ///< scan ids or dates to process; empty = all
   bool redo = false;                                    ///< make everything anew; for all scans, the layout too

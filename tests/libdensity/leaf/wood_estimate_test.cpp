@@ -1,4 +1,4 @@
-#include "libdensity/leaf/wood_by_shape.h"
+#include "libdensity/leaf/wood_estimate.h"
 
 #include <gtest/gtest.h>
 
@@ -27,28 +27,28 @@ double mean_by_even_steps(double plants, double per_side, double spread) {
   return moment / sum;
 }
 
-TEST(WoodByShape, UnderDenseLeavesIsWhatVineyardsHaveInGeneral) {
+TEST(WoodEstimate, UnderDenseLeavesIsWhatVineyardsHaveInGeneral) {
   // Of a log-normal distribution: mean m·exp(½·ln²s), 97.5 % quantile m·s^1.96.
   const ThinWood wood = believe_wood(1e4, {.per_side = 0.18, .spread = 1.8});
   EXPECT_NEAR(wood.mean, 0.18 * std::exp(0.5 * std::pow(std::log(1.8), 2)), 1e-3 * wood.mean);
   EXPECT_NEAR(wood.most, 0.18 * std::pow(1.8, 1.959964), 1e-6);
 }
 
-TEST(WoodByShape, OfWhatIsSeenFollowsItsFormula) {
+TEST(WoodEstimate, OfWhatIsSeenFollowsItsFormula) {
   for (const double plants : {0.02, 0.1, 0.2, 0.5, 1.5, 4.0}) {
     const double expected = mean_by_even_steps(plants, 0.2, 2);
     EXPECT_NEAR(believe_wood(plants, {.per_side = 0.2, .spread = 2}).mean, expected, 2e-3 * expected) << plants;
   }
 }
 
-TEST(WoodByShape, MayBeAllThatIsSeenUpToWhatTheThickestVinesHave) {
+TEST(WoodEstimate, MayBeAllThatIsSeenUpToWhatTheThickestVinesHave) {
   const double thickest = 0.2 * std::pow(2.0, 1.959964);
-  const ShapeWoodOptions options{.per_side = 0.2, .spread = 2};
+  const WoodPriorOptions options{.per_side = 0.2, .spread = 2};
   EXPECT_EQ(believe_wood(0.99 * thickest, options).most, 0.99 * thickest);
   EXPECT_NEAR(believe_wood(1.5 * thickest, options).most, thickest, 1e-6);
 }
 
-TEST(WoodByShape, IsNeverMoreThanThePlantsAndLeavesGrowWithThem) {
+TEST(WoodEstimate, IsNeverMoreThanThePlantsAndLeavesGrowWithThem) {
   double before = 0;
   for (double plants = 1e-6; plants < 100; plants *= 1.3) {
     const ThinWood wood = believe_wood(plants, {});
@@ -60,7 +60,7 @@ TEST(WoodByShape, IsNeverMoreThanThePlantsAndLeavesGrowWithThem) {
   EXPECT_EQ(believe_wood(0, {}).most, 0);
 }
 
-TEST(WoodByShape, ScalesWithTheUnitOfArea) {
+TEST(WoodEstimate, ScalesWithTheUnitOfArea) {
   const ThinWood wood = believe_wood(0.6, {.per_side = 0.2, .spread = 1.7});
   const ThinWood tenfold = believe_wood(6, {.per_side = 2, .spread = 1.7});
   EXPECT_NEAR(tenfold.mean, 10 * wood.mean, 1e-9);
@@ -88,7 +88,7 @@ double area_of(const RowDensity& row) {
   return std::accumulate(row.density.begin(), row.density.end(), 0.0) * std::pow(row.voxel_m, 3);
 }
 
-TEST(WoodByShape, IsTakenOutOfVoxelsAndPanelsAlike) {
+TEST(WoodEstimate, IsTakenOutOfVoxelsAndPanelsAlike) {
   const TakenOut t = take_out();
   double panels = 0;
   for (const PanelValue& value : t.after) panels += value.leaf_area_m2;
@@ -105,7 +105,7 @@ TEST(WoodByShape, IsTakenOutOfVoxelsAndPanelsAlike) {
   }
 }
 
-TEST(WoodByShape, APanelWithoutAValueKeepsNone) {
+TEST(WoodEstimate, APanelWithoutAValueKeepsNone) {
   const TakenOut t = take_out(false);
   EXPECT_TRUE(std::isnan(t.after[1].leaf_area_m2));
   const double share = 1 - t.after[0].leaf_area_m2 / t.before[0].leaf_area_m2;

@@ -19,11 +19,11 @@ struct ThinWood {
 
 /// What is believed of the wood W after a canopy of P = `plant_per_side` was seen, of which W + leaves = P:
 ///   p(W) ~ exp(−½·(ln(W/per_side)/ln(spread))²)/W · 1/√(P − W),  0 < W < P.
-/// The first factor is what is known of vines and orchards in general (ShapeWoodOptions), log-normal. The second is
+/// The first factor is what is known of vines and orchards in general (WoodPriorOptions), log-normal. The second is
 /// Jeffreys' prior of a density of leaves, which come singly and at random: nothing is known of their amount, bare
 /// vines and budburst included. By quadrature. The most is what is known in general, whatever was seen: where it is
 /// more than that, there may be no leaves at all.
-ThinWood believe_wood(double plant_per_side, const ShapeWoodOptions& options);
+ThinWood believe_wood(double plant_per_side, const WoodPriorOptions& options);
 
 /// Takes the expected wood out of the plants of a row, in each panel by its share of the panel's plants, and writes
 /// what is left as leaf area into `values`, which hold what the scan's own rays say of `panels`. With A the panel's
@@ -31,7 +31,7 @@ ThinWood believe_wood(double plant_per_side, const ShapeWoodOptions& options);
 ///   from A − W − √((W⁺ − W)² + h²) to A − W + √(W² + h²), cut at 0:
 /// there may be next to no wood. Panels without a value keep none; their densities lose the row's mean share. The
 /// result has no masked wood.
-RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const ShapeWoodOptions& options,
+RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const WoodPriorOptions& options,
                          std::span<PanelValue> values);
 
 }  // namespace rayfield::density

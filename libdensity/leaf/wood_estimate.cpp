@@ -1,4 +1,4 @@
-#include "libdensity/leaf/wood_by_shape.h"
+#include "libdensity/leaf/wood_estimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ struct Believed {
 
 // Up to half of the plants in even steps of ln W. From there on W = P·(1 − v²) in even steps of v, in which
 // dW/√(P − W) is even, so that nothing becomes infinite where the leaves do.
-std::vector<Believed> belief(double plants, const ShapeWoodOptions& options) {
+std::vector<Believed> belief(double plants, const WoodPriorOptions& options) {
   const double sigma = std::log(options.spread), middle = std::log(options.per_side);
   const auto density = [&](double wood) {  // of ln W
     const double z = (std::log(wood) - middle) / sigma;
@@ -47,7 +47,7 @@ double side_of(const PanelValue& value, const Panel& panel) {
 }
 
 // Of the area without masked wood. Nothing: the panel has no value.
-std::optional<ThinWood> wood_of_panel(const PanelValue& value, const Panel& panel, const ShapeWoodOptions& options) {
+std::optional<ThinWood> wood_of_panel(const PanelValue& value, const Panel& panel, const WoodPriorOptions& options) {
   if (!std::isfinite(value.leaf_area_m2)) return std::nullopt;
   const double side = side_of(value, panel);
   if (!(value.leaf_area_m2 > 0) || !(side > 0)) return ThinWood{};
@@ -81,7 +81,7 @@ std::vector<double> wood_shares(std::span<const PanelValue> values, std::span<co
 
 }  // namespace
 
-ThinWood believe_wood(double plant_per_side, const ShapeWoodOptions& options) {
+ThinWood believe_wood(double plant_per_side, const WoodPriorOptions& options) {
   if (!(plant_per_side > 0)) return {};
   const std::vector<Believed> points = belief(plant_per_side, options);
   double sum = 0, moment = 0;
@@ -90,7 +90,7 @@ ThinWood believe_wood(double plant_per_side, const ShapeWoodOptions& options) {
   return {moment / sum, std::min(plant_per_side, options.per_side * std::pow(options.spread, kHeld))};
 }
 
-RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const ShapeWoodOptions& options,
+RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const WoodPriorOptions& options,
                          std::span<PanelValue> values) {
   std::vector<std::optional<ThinWood>> woods;
   for (std::size_t k = 0; k < panels.size(); ++k) woods.push_back(wood_of_panel(values[k], panels[k], options));
