@@ -92,7 +92,7 @@ Result<void> try_beam(const BeamExperimentOptions& options, const BeamCell& cell
   sums.measured.add(relative_error(measured, wall));
   sums.full_echo.add(measured.echoes->full_echo / sim::full_echo_of_random_leaves());
   sums.found_share.add(measured.echoes->detection_share / cell.detection_share);
-  sums.found_leaf_size.add(measured.echoes->leaf_area_m2 / cell.leaf_size_m2);
+  sums.found_leaf_size.add(measured.echoes->leaf_size_m2 / cell.leaf_size_m2);
   return {};
 }
 

@@ -79,14 +79,14 @@ double variation_of(const std::vector<std::uint32_t>& histogram) {
 }
 
 void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel& model) {
-  if (known.leaf_area_m2 >= 0) {
-    model.leaf_area_m2 = known.leaf_area_m2, model.leaf_measured = true;
+  if (known.leaf_size_m2 >= 0) {
+    model.leaf_size_m2 = known.leaf_size_m2, model.leaf_measured = true;
     return;
   }
   const LeafSize apparent = estimate_leaf_size(statistics.pairs_from(model.full_echo / 2));
   const double smear = 1 + std::pow(model.mean_width_m / kSmearM, kSmearPower);
   model.leaf_measured = apparent.measured;
-  model.leaf_area_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
+  model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
 
 /// Echoes over those of beams that fall wholly on posts and trunks: 1–5 for bare vines, 20–50 at full leaf.
@@ -99,7 +99,7 @@ double leafiness_of(const EchoStatistics& statistics) {
 /// weighted by their errors.
 void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, EchoModel& model) {
   const Bins near = narrowest(statistics.all());
-  const double side_m = std::sqrt(model.leaf_area_m2);
+  const double side_m = std::sqrt(model.leaf_size_m2);
   const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
   model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
   if (full.count >= kEnoughFull) {

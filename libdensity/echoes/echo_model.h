@@ -14,7 +14,7 @@ struct EchoModel {
   double full_echo = 0;        ///< mean intensity of an echo of leaves that take the whole beam
   double full_echo_error = 0;  ///< relative standard error
   double detection_share = 0;  ///< weakest echo, in full ones
-  double leaf_area_m2 = 0;     ///< of one leaf
+  double leaf_size_m2 = 0;     ///< of one leaf
   bool leaf_measured = false;  ///< false: too few pairs of neighbouring beams, the default
   double echo_variation = 0;   ///< variance of the echoes' intensities over the square of their mean
   double mean_width_m = 0;     ///< of the beams where they met leaves
@@ -27,7 +27,7 @@ struct EchoKnowledge {
   LidarBeam beam;
   double range_resolution_m = 0.15;
   double full_echo = 0;      ///< 0: from the statistics
-  double leaf_area_m2 = -1;  ///< negative: from the statistics
+  double leaf_size_m2 = -1;  ///< negative: from the statistics
 };
 
 /// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than six to one of a

@@ -90,7 +90,7 @@ Result<RowDensityBuilder> RowDensityBuilder::create(int row, std::span<const Row
   out.counters_.assign(r.shape().size(), {});
   if (model) out.echoes_.assign(r.shape().size(), {});
   r.leaf_size_m2 = options.leaf_size_m2 >= 0 ? options.leaf_size_m2
-                   : model                   ? model->leaf_area_m2
+                   : model                   ? model->leaf_size_m2
                                              : estimate_leaf_size(pairs).area_m2;
   for (const WoodCylinder& w : wood)
     if (w.row == row) out.wood_.push_back(w);

@@ -85,7 +85,7 @@ Result<VoxelBlockDensity> estimate_voxel_block(const VoxelBlock& block, const Ra
       for (int u = 0; u < row.n_up; ++u) out.area_m2 += row.canopy_area(a, c, u);
   out.leaf_size_m2 = row.leaf_size_m2;
   out.density_m2_m3 = std::move(row.density);
-  if (model) out.echoes = BlockEchoes{model->full_echo, model->detection_share, model->leaf_area_m2};
+  if (model) out.echoes = BlockEchoes{model->full_echo, model->detection_share, model->leaf_size_m2};
   return out;
 }
 

@@ -71,7 +71,7 @@ std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters) {
 
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model) {
-  const double leaf_side_m = std::sqrt(model.leaf_area_m2);
+  const double leaf_side_m = std::sqrt(model.leaf_size_m2);
   std::vector<VoxelSums> sums(counters.size());
   RowDensities dense;
   for (int round = 0; round < kRounds; ++round) {

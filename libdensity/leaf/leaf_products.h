@@ -44,8 +44,8 @@ struct LeafReport {
 /// Leaf areas of a scan (kinds "leaf" and "raster", name kLeafRasterName). The dormant scan's rays are counted in the
 /// voxels of this one (kind "voxels", names "wood_<tile>") and estimated as its own are, for leaves of the same size,
 /// and with the same meaning of their echoes if both were made with one beam, so that what is wrong about both cancels;
-/// then wood is subtracted voxel by voxel. Where `wood` is the scan itself,
-/// leaf areas are 0. Needs the scan's voxels, results and rasters in its files.
+/// then wood is subtracted voxel by voxel. Where `wood` is the scan itself, leaf areas are 0. Needs the scan's voxels,
+/// results and rasters in its files.
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);
 

@@ -90,7 +90,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
                   count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));
   RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels));
   RAYFIELD_CHECK(keep_estimation(work, scan.voxels.wood));
-  scan.processed.leaf_size_m2 = results.element_area_m2;
+  scan.processed.leaf_size_m2 = results.leaf_size_m2;
   scan.processed.voxel_m = voxel_m;
   RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));
   report_plants(scan);

@@ -117,7 +117,7 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
   };
   const auto take = [&](std::size_t i) -> Result<void> {
     const Done row = std::exchange(done[i], {});
-    maps.results.element_area_m2 = row.density->leaf_size_m2;
+    maps.results.leaf_size_m2 = row.density->leaf_size_m2;
     RAYFIELD_CHECK(append(row.products, maps));
     RAYFIELD_CHECK(maps.plan.add(*row.density));
     work.progress.advance(1);

@@ -165,7 +165,7 @@ tile::StreamedArrays results_to_arrays(const ScanResults& results, const RowLayo
                         {"row", section.row_number},
                         {"grid", grid_json(section.grid)}});
   arrays.attributes = json{{"sections", sections},
-                           {"element_area_m2", results.element_area_m2},
+                           {"element_area_m2", results.leaf_size_m2},
                            {"fruit_zone_m", {results.scan.fruit_zone_low_m, results.scan.fruit_zone_high_m}}}
                           .dump();
   return {std::move(arrays), {{kSectionValues, std::move(section_values)}}};
@@ -217,7 +217,7 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
 
   try {
     const json attributes = json::parse(arrays.attributes);
-    results.element_area_m2 = attributes.at("element_area_m2").get<double>();
+    results.leaf_size_m2 = attributes.at("element_area_m2").get<double>();
     if (attributes.contains("fruit_zone_m") && !attributes.at("fruit_zone_m").at(0).is_null()) {
       results.scan.fruit_zone_low_m = attributes.at("fruit_zone_m").at(0).get<double>();
       results.scan.fruit_zone_high_m = attributes.at("fruit_zone_m").at(1).get<double>();

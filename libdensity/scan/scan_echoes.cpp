@@ -46,7 +46,7 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 }
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,      m.full_echo_error, m.detection_share,    m.leaf_area_m2,    m.leaf_measured ? 1.0 : 0.0,
+  return {m.full_echo,      m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
           m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
           m.resolution_path};
 }
@@ -155,7 +155,7 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
                       100 * error);
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
-                      1e4 * model->leaf_area_m2);
+                      1e4 * model->leaf_size_m2);
   if (!model->leaf_measured) note += " (not measured: neighbouring beams are too far apart)";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }

@@ -23,7 +23,7 @@ Result<double> choose_voxel_size(ScanWork& work, const RowLayout& layout, const 
   const VoxelFitOptions& fit = work.options.voxel_fit;
   if (!fit.enabled) return work.options.segments.voxel_m;
   if (work.options.estimator.leaf_size_m2 > 0) return fitted_size(work.options.estimator.leaf_size_m2, fit);
-  if (model) return fitted_size(model->leaf_area_m2, fit);
+  if (model) return fitted_size(model->leaf_size_m2, fit);
   KeyBuilder key("voxelsize", kVoxelSizeVersion);
   key.add(option_numbers(work.options.segments));
   key.add(option_numbers(work.voxels));

@@ -82,7 +82,7 @@ TEST(EchoModel, WhatIsKnownIsTaken) {
   EXPECT_EQ(model->full_echo, 2500);
   EXPECT_EQ(model->full_echo_error, 0);
   EXPECT_EQ(model->detection_share, 0.4);
-  EXPECT_EQ(model->leaf_area_m2, 0.0064);
+  EXPECT_EQ(model->leaf_size_m2, 0.0064);
 }
 
 TEST(EchoModel, TooFewEchoesOrNoIntensitiesTellNothing) {

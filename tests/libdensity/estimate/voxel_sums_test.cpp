@@ -28,7 +28,7 @@ Voxel voxel_with(double share, double width_m) {
 
 EchoModel model_of(double range_resolution_m) {
   EchoModel model;
-  model.full_echo = kFull, model.detection_share = 0.25, model.leaf_area_m2 = kSide * kSide, model.echo_variation = 0.2;
+  model.full_echo = kFull, model.detection_share = 0.25, model.leaf_size_m2 = kSide * kSide, model.echo_variation = 0.2;
   model.range_resolution_m = range_resolution_m;
   return model;
 }

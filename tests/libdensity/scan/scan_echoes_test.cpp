@@ -56,7 +56,7 @@ TEST(ScanEchoes, WideBeamsWhoseEchoesDoNotTellAreAsWrongAsCountingMakesThem) {
 
 TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
   EchoModel model;
-  model.full_echo = 100, model.full_echo_error = 0.04, model.detection_share = 0.25, model.leaf_area_m2 = 0.0065;
+  model.full_echo = 100, model.full_echo_error = 0.04, model.detection_share = 0.25, model.leaf_size_m2 = 0.0065;
   const IntegrationOptions options;
   const double with_model = integration_with_beam(options, scan_with(0.0136, 0.0119), model).shared_error;
   EXPECT_GT(with_model, options.shared_error);

@@ -142,7 +142,7 @@ struct ScanResults {
   std::vector<PanelValue> panel_values;
   std::vector<RowMetreProduct> row_metres;
   std::vector<SectionProduct> sections;
-  double element_area_m2 = 0;                  ///< of one leaf, as measured from neighbouring beams or given
+  double leaf_size_m2 = 0;                     ///< of one leaf, as measured from neighbouring beams or given
   std::vector<PanelProfileBand> profile = {};  ///< panel by panel, from below
 };
 

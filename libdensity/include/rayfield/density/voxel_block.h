@@ -29,7 +29,7 @@ struct VoxelBlockOptions {
 struct BlockEchoes {
   double full_echo = 0;        ///< mean intensity of the echo of leaves that take the whole beam
   double detection_share = 0;  ///< weakest echo, in full ones
-  double leaf_area_m2 = 0;     ///< of one leaf
+  double leaf_size_m2 = 0;     ///< of one leaf
 };
 
 struct VoxelBlockDensity {
