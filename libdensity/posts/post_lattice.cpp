@@ -45,8 +45,10 @@ std::optional<std::size_t> find_near(const std::vector<PlacedStem>& stems, doubl
   double best_score = -4;  // a lone thin stem at the edge of the reach is worth less than an inferred post
   for (std::size_t i = 0; i < stems.size(); ++i) {
     const double off = std::abs(stems[i].chainage_m - chainage_m);
-    const bool extra = off <= kTight && is_extra(stems, i, usual);
-    if (off > reach_m || !(maybe_post(stems[i].stem) || clearly_thicker(stems[i].stem, usual) || extra)) continue;
+    const bool foot =
+        is_extra(stems, i, usual) || (usual.thickness.tells_posts && usual.thickness.is_thick(stems[i].stem));
+    const bool likely = maybe_post(stems[i].stem) || clearly_thicker(stems[i].stem, usual) || (off <= kTight && foot);
+    if (off > reach_m || !likely) continue;
     const double score = fitness(stems[i], off, usual);
     if (score > best_score) best = i, best_score = score;
   }
@@ -107,17 +109,17 @@ std::size_t places_of(const std::vector<std::vector<PlacedStem>>& stems,
   return places;
 }
 
-// The sure post from which the spacing explains most of the others; nothing if that is less than half of them in a
+// The witness from which the spacing explains most of the others; nothing if that is less than half of them in a
 // block whose posts do not stand regularly.
-std::optional<std::size_t> find_anchor(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
+std::optional<std::size_t> find_anchor(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& witnesses,
                                        const UsualStems& usual) {
   std::optional<std::size_t> anchor;
   double best = 0;
   std::size_t best_count = 0;
-  for (std::size_t a : sure) {
+  for (std::size_t a : witnesses) {
     double score = 0;
     std::size_t count = 0;
-    for (std::size_t i : sure) {
+    for (std::size_t i : witnesses) {
       const double along = (stems[i].chainage_m - stems[a].chainage_m) / usual.spacing_m;
       const double off = std::abs(along - std::round(along));
       if (off > kTolerance) continue;
@@ -126,7 +128,7 @@ std::optional<std::size_t> find_anchor(const std::vector<PlacedStem>& stems, con
     }
     if (score > best) best = score, best_count = count, anchor = a;
   }
-  if (!usual.regular && 2 * best_count < sure.size()) return std::nullopt;
+  if (!usual.regular && 2 * best_count < witnesses.size()) return std::nullopt;
   return anchor;
 }
 
@@ -247,12 +249,14 @@ std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
 }
 
 std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                                           double trunk_spacing_m) {
+                                           double trunk_spacing_m, const StemThickness& thickness) {
   UsualStems usual;
   usual.trunk_spacing_m = trunk_spacing_m;
   std::vector<std::size_t> witnesses;
-  for (std::size_t i = 0; i < stems.size(); ++i)
-    if (std::binary_search(sure.begin(), sure.end(), i) || is_extra(stems, i, usual)) witnesses.push_back(i);
+  for (std::size_t i = 0; i < stems.size(); ++i) {
+    const bool thick = thickness.tells_posts && thickness.is_thick(stems[i].stem);
+    if (thick || std::binary_search(sure.begin(), sure.end(), i) || is_extra(stems, i, usual)) witnesses.push_back(i);
+  }
   return witnesses;
 }
 
@@ -279,11 +283,11 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
 }
 
 PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                        const UsualStems& usual, double row_length_m) {
+                        const std::vector<std::size_t>& witnesses, const UsualStems& usual, double row_length_m) {
   constexpr double kOverhang = 0.5;  // m; how far beyond the canopy a post may be wanted
   PostChoice choice;
   const std::optional<std::size_t> anchor =
-      std::isfinite(usual.spacing_m) ? find_anchor(stems, sure, usual) : std::nullopt;
+      std::isfinite(usual.spacing_m) ? find_anchor(stems, witnesses, usual) : std::nullopt;
   if (!anchor) {
     choice.posts = irregular(stems, sure, usual);
     return choice;

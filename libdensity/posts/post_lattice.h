@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libdensity/posts/posts.h"
+#include "libdensity/posts/stem_thickness.h"
 
 namespace rayfield::density {
 
@@ -10,10 +11,11 @@ namespace rayfield::density {
 /// within the canopy. Ascending.
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems);
 
-/// Indices of the stems that show the spacing of the posts, ascending: sure posts, and stems between two vines that are
-/// one vine spacing apart (in dense canopy hardly anything else of a post is seen). NaN: the vine spacing is unknown.
+/// Indices of the stems that show the spacing of the posts, ascending: sure posts, and, since in a dense canopy hardly
+/// anything of a post is seen but its foot, stems between two vines that are one vine spacing apart, and thick ones
+/// where thickness tells posts. NaN: the vine spacing is unknown.
 std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                                           double trunk_spacing_m);
+                                           double trunk_spacing_m, const StemThickness& thickness);
 
 /// The distance that explains most gaps between sure posts of a row as a whole multiple; NaN without gaps.
 struct UsualSpacing {
@@ -30,6 +32,7 @@ struct UsualStems {
   bool regular = false;  ///< see UsualSpacing
   double post_radius_m = 0.05, trunk_radius_m = 0.025;
   double trunk_spacing_m = 0;  ///< of vines; NaN if unknown
+  StemThickness thickness;
 };
 
 struct PostChoice {
@@ -37,11 +40,11 @@ struct PostChoice {
   std::vector<double> inferred_m;  ///< chainages where the regular spacing wants a post that was not seen
 };
 
-/// Where at least half of a row's sure posts stand at the usual spacing, or the whole block is regular: walks along it
-/// from the surest, takes the best candidate near each place, infers a post where there is none, and leaves out what
-/// stands in between. Elsewhere the sure posts, less those that stand too close to better ones. A sure post at the
-/// row's end is always kept.
+/// Where at least half of a row's `witnesses` (those of its spacing) stand at the usual spacing, or the whole block is
+/// regular: walks along it from the surest, takes the best candidate near each place, infers a post where there is
+/// none, and leaves out what stands in between. Elsewhere the sure posts, less those that stand too close to better
+/// ones. A sure post at the row's end is always kept.
 PostChoice choose_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                        const UsualStems& usual, double row_length_m);
+                        const std::vector<std::size_t>& witnesses, const UsualStems& usual, double row_length_m);
 
 }  // namespace rayfield::density

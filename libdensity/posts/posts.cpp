@@ -181,10 +181,13 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
     sure.push_back(sure_posts(placed.back()));
   }
   UsualStems usual;
+  usual.thickness = stem_thickness(placed, sure);
   const double stem_spacing_m = usual_gap(placed);
   std::vector<std::vector<std::size_t>> witnesses;
-  for (std::size_t r = 0; r < placed.size(); ++r)
-    witnesses.push_back(spacing_witnesses(placed[r], sure[r], stem_spacing_m));
+  for (std::size_t r = 0; r < placed.size(); ++r) {
+    sure[r] = without_thin(placed[r], sure[r], usual.thickness);
+    witnesses.push_back(spacing_witnesses(placed[r], sure[r], stem_spacing_m, usual.thickness));
+  }
   const UsualSpacing spacing = usual_spacing(placed, witnesses, options.min_panel_m, options.max_panel_m);
   usual.spacing_m = report.panel_length_m = spacing.spacing_m;
   usual.regular = spacing.regular;
@@ -196,7 +199,7 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
         [&](std::size_t r) -> const std::vector<std::size_t>& { return pass == 0 ? sure[r] : choices[r].posts; },
         usual);
     for (std::size_t r = 0; r < placed.size(); ++r)
-      choices[r] = choose_posts(placed[r], sure[r], usual, layout.rows[r].length_m());
+      choices[r] = choose_posts(placed[r], sure[r], witnesses[r], usual, layout.rows[r].length_m());
   }
 
   std::vector<RowStems> sorted;

@@ -252,6 +252,37 @@ TEST(Posts, OfADenseCanopyAreFoundByTheVinesBesideThem) {
   for (const Panel& panel : layout.panels) EXPECT_NEAR(panel.end_m - panel.start_m, kSpacing, 0.01);
 }
 
+// A wall of leaves that beams as wide as leaves hardly enter: feet are all that is seen but of the strainers, some
+// vines look tall, and every other post has taken a vine's place, so that no two stems stand closer than vines do.
+TEST(Posts, OfWhichOnlyFeetAreSeenAreToldByTheirThickness) {
+  constexpr double kLength = 24, kSpacing = 6, kVine = 1.7;
+  const std::vector<std::vector<int>> tall = {{1}, {2, 8}, {8}};
+  const std::vector<double> vine_radii_mm = {24, 27, 32, 28, 26, 25, 30, 27, 23, 33, 27, 24, 29, 22};
+  RowLayout layout;
+  std::vector<Stem> stems;
+  for (int row = 1; row <= 3; ++row) {
+    const double y = 3.0 * row;
+    layout.rows.push_back({row, {{0, y}, {kLength, y}}});
+    for (int i = 0; i <= 4; ++i) {
+      const bool strainer = i == 0 || i == 4;
+      const double radius_m = strainer ? 0.058 : 0.037 + 0.002 * ((i + row) % 4);
+      stems.push_back(stem_at(row, {i * kSpacing, y}, radius_m, strainer ? 1.9 : 0.9, strainer ? 1.1 : 0.0));
+      if (strainer) stems.back().solidity = 50;
+    }
+    for (int i = 0; i < 14; ++i) {
+      const double x = 0.85 + i * kVine;
+      if (std::abs(x - 6) < 0.3 || std::abs(x - 18) < 0.3) continue;
+      const double radius_m = 1e-3 * vine_radii_mm[static_cast<std::size_t>(i + 5 * row) % vine_radii_mm.size()];
+      stems.push_back(stem_at(row, {x, y}, radius_m, 0.9, is_in(tall, row, i) ? 1.3 : 0.0));
+    }
+  }
+  const auto report = place_posts(layout, stems, PostOptions());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->detected, 15);
+  ASSERT_EQ(layout.panels.size(), 12U);
+  for (const Panel& panel : layout.panels) EXPECT_NEAR(panel.end_m - panel.start_m, kSpacing, 0.01);
+}
+
 TEST(Panels, OfGivenLengthLetAShortRestJoinItsNeighbour) {
   RowLayout layout;
   for (const double length : {20.0, 22.9, 23.6, 3.0}) {
