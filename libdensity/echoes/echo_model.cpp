@@ -89,6 +89,21 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
   model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
 
+/// Of what leaves take of the beams, the share that is in no echo, being in pieces below the detection share t: edges
+/// are cut alike on both sides of it, so that with f the number of echoes per unit of strength between t and t + 0.1 it
+/// is 1.2·f·t²/2 (docs/beams.md, "How it is taken out").
+double lost_share(const std::vector<std::uint32_t>& histogram, double full_echo, double detection_share) {
+  constexpr double kBand = 0.1, kPiecesBelow = 1.2;
+  double strength = 0, in_band = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    const double s = static_cast<double>(i) / full_echo;
+    strength += histogram[i] * s;
+    if (s >= detection_share && s < detection_share + kBand) in_band += histogram[i];
+  }
+  const double lost = kPiecesBelow * in_band / kBand * detection_share * detection_share / 2;
+  return strength > 0 ? lost / (strength + lost) : 0;
+}
+
 /// Echoes over those of beams that fall wholly on posts and trunks: 1–5 for bare vines, 20–50 at full leaf.
 double leafiness_of(const EchoStatistics& statistics) {
   return static_cast<double>(statistics.echoes()) /
@@ -135,6 +150,7 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
     if (known.full_echo > 0) break;
     measure_full_echo(statistics, full, model);
   }
+  if (one_beam) model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
   return model;
 }
 

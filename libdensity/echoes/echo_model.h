@@ -18,7 +18,10 @@ struct EchoModel {
   bool leaf_measured = false;  ///< false: too few pairs of neighbouring beams, the default
   double echo_variation = 0;   ///< variance of the echoes' intensities over the square of their mean
   double mean_width_m = 0;     ///< of the beams where they met leaves
-  /// Optical path of a range resolution around echoes (ReturnedShare); 0: that of each row.
+  /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
+  double lost_share = 0;
+  /// Of lidars with several beams at a time: optical path of a range resolution around echoes, with which a table says
+  /// what is lost (ReturnedShare). 0: one beam at a time, what is lost follows from `lost_share`.
   double resolution_path = 0;
 };
 
@@ -38,10 +41,9 @@ struct EchoKnowledge {
 /// the beams over the share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the
 /// wood among the echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with
 /// several beams at a time (few close_pairs()): the mean echo, the strength that 5 % do not reach, and a
-/// resolution_path of 0.6, since with leaves that are not known that of the rows is no better. Leaves:
-/// estimate_leaf_size() of pairs of at least half a full echo, whose side is too large by 1 + (D/60 mm)^1.5, D the mean
-/// width. Fitted, to simulated scans (docs/beams.md): the 2 % and 1.03, the two numbers of the leaves' side, and the
-/// density behind mean_echo_share().
+/// resolution_path of 0.6. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large
+/// by 1 + (D/60 mm)^1.5, D the mean width. Fitted, to simulated scans (docs/beams.md): the 2 % and 1.03, the two
+/// numbers of the leaves' side, and the density behind mean_echo_share().
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

@@ -35,7 +35,7 @@ void EchoStatistics::add_ground_echo(std::uint16_t intensity, double cosine) {
 AngleDependence EchoStatistics::ground_dependence() const {
   constexpr int kAslant = kCosines * 4 / 10, kMiddle = kCosines * 6 / 10, kSteep = kCosines * 8 / 10;  // 66°, 53°, 37°
   constexpr std::int64_t kEnough = 1000;
-  constexpr double kLeavesDifferError = 0.2;
+  constexpr double kLeavesDifferError = 0.1;
   std::array<Sum, 2> sums{};
   std::array<double, 2> cosine{};
   for (int bin = kAslant; bin < kCosines; ++bin) {

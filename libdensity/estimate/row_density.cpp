@@ -149,7 +149,7 @@ RowDensity RowDensityBuilder::finish() && {
     estimate_paper(r, counters_, static_cast<std::uint32_t>(options_.paper_min_rays));
     counters_ = {}, echoes_ = {};
   } else {
-    const CrossSection across{static_cast<std::size_t>(r.n_across) * static_cast<std::size_t>(r.n_up), r.voxel_m};
+    const CrossSection across{static_cast<std::size_t>(r.n_across), static_cast<std::size_t>(r.n_up), r.voxel_m};
     const std::vector<VoxelSums> sums =
         model_ ? wide_beam_sums(counters_, echoes_, across, *model_) : thin_ray_sums(counters_);
     counters_ = {}, echoes_ = {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "libdensity/echoes/echo_loss.h"
 
@@ -9,6 +10,9 @@ namespace rayfield::density {
 namespace {
 
 constexpr int kRounds = 3;
+constexpr double kMostLost = 0.5;
+constexpr double kLossPerThickness = 0.075;  // fitted to both simulators (docs/beams.md, "How it is taken out")
+constexpr double kThicknessReachM = 1.5;     // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
 
 /// The path of a voxel's beams, those parts of them that ran on behind their echoes included.
@@ -17,20 +21,17 @@ double path_of(const VoxelCounters& v, const EchoCounters& e, double full_echo) 
   return std::max(kLeastPath * v.path_sides(), v.path_sides() + EchoCounters::kPathUnit * (behind - taken));
 }
 
-/// How dense a row is; paths in voxel sides.
-struct RowDensities {
-  double mean = 0;           ///< hits per path
-  double around_echoes = 0;  ///< the same in the mean over its hits
+/// Means over a voxel's rays of what EchoCounters add up with the path.
+struct BeamsOfVoxel {
+  double width_m = 0;
+  double path_before = 0;  ///< voxel sides
 };
 
-/// R of a voxel.
-double returned_in(const EchoCounters& e, double path_sides, double mean_density, const ReturnedShare& returned,
-                   double leaf_side_m) {
-  const double units = path_sides / EchoCounters::kPathUnit;
-  if (!(units > 0) || !(leaf_side_m > 0)) return 1;
-  const double width_m = EchoCounters::kWidthUnitM * static_cast<double>(e.width) / units;
-  const double depth = EchoCounters::kDepthUnit * static_cast<double>(e.depth) / units;
-  return returned(width_m / leaf_side_m, mean_density * depth);
+std::optional<BeamsOfVoxel> beams_of(const VoxelCounters& v, const EchoCounters& e) {
+  const double units = v.path_sides() / EchoCounters::kPathUnit;
+  if (!(units > 0)) return std::nullopt;
+  return BeamsOfVoxel{EchoCounters::kWidthUnitM * static_cast<double>(e.width) / units,
+                      EchoCounters::kDepthUnit * static_cast<double>(e.depth) / units};
 }
 
 VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double returned, const EchoModel& model) {
@@ -45,17 +46,88 @@ VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double re
   return s;
 }
 
-RowDensities densities_of(std::span<const VoxelSums> sums, std::size_t voxels) {
-  std::vector<double> hits(voxels), path(voxels);
-  for (std::size_t i = 0; i < sums.size(); ++i) hits[i % voxels] += sums[i].hits, path[i % voxels] += sums[i].path;
-  double all_hits = 0, all_path = 0, weighted = 0;
-  for (std::size_t k = 0; k < voxels; ++k) {
-    all_hits += hits[k], all_path += path[k];
-    if (path[k] > 0) weighted += hits[k] * hits[k] / path[k];
+/// Hits and paths of the cross sections of a stretch of row, added up.
+class Stretch {
+ public:
+  explicit Stretch(const CrossSection& section) : section_(section), hits_(section.voxels()), path_(section.voxels()) {}
+  void add(std::span<const VoxelSums> section, double sign) {
+    for (std::size_t k = 0; k < section.size(); ++k)
+      hits_[k] += sign * section[k].hits, path_[k] += sign * section[k].path;
   }
-  if (!(all_hits > 0) || !(all_path > 0)) return {};
-  return {all_hits / all_path, weighted / all_hits};
+  /// Optical path of a ray right across the row, in the mean over the heights of the hits.
+  double thickness() const {
+    constexpr double kLeastSum = 1;  // voxel sides
+    double weighted = 0, all = 0;
+    for (std::size_t up = 0; up < section_.n_up; ++up) {
+      double across = 0, hits = 0;
+      for (std::size_t k = up; k < section_.voxels(); k += section_.n_up) {
+        if (path_[k] > kLeastSum) across += hits_[k] / path_[k];
+        hits += hits_[k];
+      }
+      weighted += hits * across, all += hits;
+    }
+    return all > 0 ? weighted / all : 0;
+  }
+
+ private:
+  CrossSection section_;
+  std::vector<double> hits_, path_;
+};
+
+/// Optical thickness of the row at each cross section: of all up to kThicknessReachM from it.
+std::vector<double> thickness_along(std::span<const VoxelSums> sums, const CrossSection& section) {
+  const std::size_t count = section.voxels() > 0 ? sums.size() / section.voxels() : 0;
+  const auto reach = static_cast<std::size_t>(kThicknessReachM / section.voxel_m);
+  const auto at = [&](std::size_t along) { return sums.subspan(along * section.voxels(), section.voxels()); };
+  std::vector<double> out(count, 0);
+  Stretch stretch(section);
+  for (std::size_t along = 0; along < std::min(reach, count); ++along) stretch.add(at(along), 1);
+  for (std::size_t along = 0; along < count; ++along) {
+    if (along + reach < count) stretch.add(at(along + reach), 1);
+    if (along > reach) stretch.add(at(along - reach - 1), -1);
+    out[along] = stretch.thickness();
+  }
+  return out;
 }
+
+double hits_per_path(std::span<const VoxelSums> sums) {
+  double hits = 0, path = 0;
+  for (const VoxelSums& v : sums) hits += v.hits, path += v.path;
+  return path > 0 ? hits / path : 0;
+}
+
+/// R of every voxel of a row from what the round before says of its density.
+class ReturnedOfRow {
+ public:
+  ReturnedOfRow(const EchoModel& model, const CrossSection& section)
+      : model_(model), section_(section), table_(model.detection_share, model.resolution_path) {}
+  double operator()(std::size_t voxel, const BeamsOfVoxel& beams) const {
+    return model_.resolution_path > 0 ? from_table(beams) : from_lost_share(voxel, beams);
+  }
+  void learn(std::span<const VoxelSums> sums) {
+    if (model_.resolution_path > 0)
+      mean_density_ = hits_per_path(sums);
+    else
+      thickness_ = thickness_along(sums, section_);
+  }
+
+ private:
+  double from_table(const BeamsOfVoxel& beams) const {
+    if (!(model_.leaf_size_m2 > 0)) return 1;
+    return table_(beams.width_m / std::sqrt(model_.leaf_size_m2), mean_density_ * beams.path_before);
+  }
+  double from_lost_share(std::size_t voxel, const BeamsOfVoxel& beams) const {
+    const double width = model_.mean_width_m > 0 ? beams.width_m / model_.mean_width_m : 1;
+    const double thickness = thickness_.empty() ? 0 : thickness_[voxel / section_.voxels()];
+    return (1 - std::min(kMostLost, model_.lost_share * width)) * std::exp(-kLossPerThickness * thickness);
+  }
+
+  const EchoModel& model_;
+  CrossSection section_;
+  ReturnedShare table_;
+  double mean_density_ = 0;        // hits per voxel side
+  std::vector<double> thickness_;  // [along]
+};
 
 }  // namespace
 
@@ -71,19 +143,15 @@ std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters) {
 
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model) {
-  const double leaf_side_m = std::sqrt(model.leaf_size_m2);
   std::vector<VoxelSums> sums(counters.size());
-  RowDensities dense;
+  ReturnedOfRow returned(model, section);
   for (int round = 0; round < kRounds; ++round) {
-    const double row_path = dense.around_echoes * model.range_resolution_m / section.voxel_m;
-    const ReturnedShare returned(model.detection_share, model.resolution_path > 0 ? model.resolution_path : row_path);
     for (std::size_t i = 0; i < counters.size(); ++i) {
-      const VoxelCounters& v = counters[i];
-      if (v.rays > 0)
-        sums[i] = wide_beam_sum(v, echoes[i], returned_in(echoes[i], v.path_sides(), dense.mean, returned, leaf_side_m),
-                                model);
+      if (counters[i].rays == 0) continue;
+      const std::optional<BeamsOfVoxel> beams = beams_of(counters[i], echoes[i]);
+      sums[i] = wide_beam_sum(counters[i], echoes[i], beams ? returned(i, *beams) : 1, model);
     }
-    if (round + 1 < kRounds) dense = densities_of(sums, section.voxels);
+    if (round + 1 < kRounds) returned.learn(sums);
   }
   return sums;
 }

@@ -21,19 +21,19 @@ struct VoxelSums {
 
 std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters);
 
-/// One across a row; the voxels of one follow those of the one before along the row.
+/// One across a row; the voxels of one, upwards first, follow those of the one before along the row.
 struct CrossSection {
-  std::size_t voxels = 0;
+  std::size_t n_across = 0, n_up = 0;
   double voxel_m = 0;  ///< side
+  std::size_t voxels() const { return n_across * n_up; }
 };
 
-/// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), R the
-/// ReturnedShare of the voxel's mean beam width, of the optical path before it, and of that of a range resolution
-/// around the row's echoes:
-///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes).
-/// The optical path before is the row's mean density times the path. Around echoes the density is that of their place
-/// in the row's cross section, in the mean along the row (single leaves would count themselves otherwise), unless the
-/// model says its optical path. Both come from the round before: three rounds.
+/// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), D the mean width
+/// of the voxel's beams and D̄ that of all, T the optical path of a ray right across the row, within 1.5 m along it:
+///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),  R = (1 − lost_share·D/D̄)·exp(−0.075·T).
+/// T comes from the round before: three rounds. Of lidars with several beams at a time R is the ReturnedShare of D over
+/// the side of a leaf, of the optical path before the voxel (the row's mean density times the path) and of the model's
+/// resolution_path.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model);
 

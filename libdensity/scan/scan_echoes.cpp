@@ -46,20 +46,22 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 }
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,      m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
-          m.echo_variation, m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
-          m.resolution_path};
+  return {m.full_echo,       m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
+          m.echo_variation,  m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
+          m.resolution_path, m.lost_share};
 }
 
 Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>("model"));
   if (f.empty()) return std::nullopt;
-  const std::size_t values = fields_of({}).size();
-  const bool is_older = f.size() + 1 == values;  // without a resolution path, before version 3
-  if (f.size() != values && !is_older) return damaged(arrays, "the model has another number of values");
+  constexpr std::size_t kOldest = 10;  // before version 3 without a resolution path, before version 4 a lost share
+  if (f.size() < kOldest || f.size() > fields_of({}).size())
+    return damaged(arrays, "the model has another number of values");
   for (const double x : f)
     if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6], is_older ? 0 : f[10]};
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
+  if (f.size() > kOldest) m.resolution_path = f[kOldest];
+  if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }

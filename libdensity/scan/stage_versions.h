@@ -9,17 +9,17 @@ namespace rayfield::density {
 inline constexpr int kSurveyVersion = 2;
 inline constexpr int kGroundVersion = 1;
 inline constexpr int kEvidenceVersion = 1;
-inline constexpr int kGeometryVersion = 1;
+inline constexpr int kGeometryVersion = 2;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 3;
-inline constexpr int kEchoesVersion = 3;
+inline constexpr int kEchoesVersion = 4;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 2;
-inline constexpr int kResultsVersion = 6;
+inline constexpr int kResultsVersion = 7;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 4;
-inline constexpr int kLeafByEstimateVersion = 1;
+inline constexpr int kLeafVersion = 5;
+inline constexpr int kLeafByEstimateVersion = 2;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,      kProfileVersion,

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "libdensity/echoes/echo_loss.h"
 
 namespace rayfield::density {
@@ -26,17 +29,21 @@ Voxel voxel_with(double share, double width_m) {
   return v;
 }
 
-EchoModel model_of(double range_resolution_m) {
+/// Of a lidar with one beam at a time, 40 mm wide in the mean, that does not see `lost` of what leaves take.
+EchoModel model_of(double lost) {
   EchoModel model;
   model.full_echo = kFull, model.detection_share = 0.25, model.leaf_size_m2 = kSide * kSide, model.echo_variation = 0.2;
-  model.range_resolution_m = range_resolution_m;
+  model.mean_width_m = 0.04, model.lost_share = lost;
   return model;
 }
 
-/// Of a row of one voxel, of a lidar that tells leaves apart that stand right behind each other.
-VoxelSums sums_of(const Voxel& v) {
-  return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, kVoxel}, model_of(0)).at(0);
+/// Of a row of one voxel.
+VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
+  return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, 1, kVoxel}, model).at(0);
 }
+
+/// What is lost is left in: the path is too long by exp(−0.075·T), T the voxel's own optical path, hits over path.
+double through(const VoxelSums& s) { return std::exp(-0.075 * s.hits / s.path); }
 
 TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
   const VoxelCounters c = voxel_with(1, 0).counters;
@@ -49,54 +56,74 @@ TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
   EXPECT_EQ(s.potential, c.potential_sides());
 }
 
-TEST(VoxelSums, FullEchoesOfNarrowBeamsAreTheHitsOfThinRays) {
-  const VoxelSums s = sums_of(voxel_with(1, 0));
+TEST(VoxelSums, FullEchoesAreTheHitsOfThinRays) {
+  const VoxelSums s = sums_of(voxel_with(1, 0.04), model_of(0));
   EXPECT_DOUBLE_EQ(s.hits, 4);
-  EXPECT_NEAR(s.path, 8, 1e-6);
-  EXPECT_NEAR(s.hit_path, 2, 1e-6);
+  EXPECT_NEAR(s.path, 8 * through(s), 1e-3);
+  EXPECT_NEAR(s.hit_path, 2 * through(s), 1e-3);
   EXPECT_NEAR(s.hits_squared, 4 * 1.2, 1e-9);
 }
 
 TEST(VoxelSums, OfHalfAnEchoHalfTheBeamRunsOn) {
-  const VoxelSums s = sums_of(voxel_with(0.5, 0));
+  const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model_of(0));
   EXPECT_DOUBLE_EQ(s.hits, 2);
-  EXPECT_NEAR(s.path, 8 + 0.5 * 1.5, 1e-3);
-  EXPECT_NEAR(s.hit_path, 1, 1e-6);
+  EXPECT_NEAR(s.path, (8 + 0.5 * 1.5) * through(s), 1e-3);
+  EXPECT_NEAR(s.hit_path, 1 * through(s), 1e-3);
   EXPECT_NEAR(s.potential, 10, 1e-6);
 }
 
-TEST(VoxelSums, OfWideBeamsThatIsMissingWhichReturnsNothing) {
-  const VoxelSums narrow = sums_of(voxel_with(0.5, 0)), wide = sums_of(voxel_with(0.5, 0.04));
-  EXPECT_EQ(wide.hits, narrow.hits);
-  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(0.25, 0)(0.04 / kSide, 0), 1e-4);
+// The share that is lost goes with the edges of leaves in the beam, and so with its width.
+TEST(VoxelSums, WhatReturnsNothingIsMissingTheMoreTheWiderTheBeam) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  for (const double width_m : {0.02, 0.04, 0.06}) {
+    const VoxelSums s = sums_of(voxel_with(0.5, width_m), model_of(0.1));
+    EXPECT_EQ(s.hits, all.hits);
+    EXPECT_NEAR(s.path / through(s), (1 - 0.1 * width_m / 0.04) * all.path / through(all), 1e-3);
+  }
 }
 
-TEST(VoxelSums, TheDeeperTheMore) {
+// Two places of a cross section, one behind the other: a ray across the row passes both.
+TEST(VoxelSums, TheThickerTheRowTheMoreIsMissing) {
+  const Voxel one = voxel_with(0.5, 0.04);
+  const std::vector counters{one.counters, one.counters};
+  const std::vector echoes{one.echoes, one.echoes};
+  const auto behind = wide_beam_sums(counters, echoes, {2, 1, kVoxel}, model_of(0));
+  const auto above = wide_beam_sums(counters, echoes, {1, 2, kVoxel}, model_of(0));
+  const double untouched = 8 + 0.5 * 1.5;
+  EXPECT_NEAR(behind[0].path, untouched * std::exp(-0.075 * 2 * behind[0].hits / behind[0].path), 1e-3);
+  EXPECT_NEAR(above[0].path, untouched * through(above[0]), 1e-3);
+}
+
+// Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.
+TEST(VoxelSums, TheThicknessIsThatOfThePlace) {
+  const Voxel dense = voxel_with(1, 0.04);
+  Voxel bare = dense;
+  bare.counters.hits = 0, bare.counters.hit_path = 0, bare.echoes.echo = 0, bare.echoes.echo_behind = 0;
+  std::vector<VoxelCounters> counters;
+  std::vector<EchoCounters> echoes;
+  for (int along = 0; along < 80; ++along) {
+    const Voxel& v = along < 40 ? dense : bare;
+    counters.push_back(v.counters), echoes.push_back(v.echoes);
+  }
+  const auto sums = wide_beam_sums(counters, echoes, {1, 1, kVoxel}, model_of(0));
+  EXPECT_NEAR(sums[0].path, sums_of(dense, model_of(0)).path, 1e-3);
+  EXPECT_NEAR(sums[79].path, sums_of(bare, model_of(0)).path, 1e-3);
+  EXPECT_GT(sums[39].path, sums[0].path);
+}
+
+TEST(VoxelSums, OfSeveralBeamsAtATimeATableTellsWhatIsMissing) {
+  EchoModel model = model_of(0.1);
+  model.resolution_path = 0.6;
+  const VoxelSums narrow = sums_of(voxel_with(0.5, 0), model), wide = sums_of(voxel_with(0.5, 0.04), model);
+  EXPECT_EQ(wide.hits, narrow.hits);
+  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(0.25, 0.6)(0.04 / kSide, 0), 1e-4);
   Voxel deep = voxel_with(0.5, 0.04);
   deep.echoes.depth = EchoCounters::path_units(8) * EchoCounters::depth_units(6);  // 6 sides of a quarter hit each
-  EXPECT_LT(sums_of(deep).path, 0.97 * sums_of(voxel_with(0.5, 0.04)).path);
-}
-
-// Two cross sections of two voxels, one place with twice the hits of the other, voxels alike along the row: hits per
-// path are h and 2 h, the mean over hits (h² + 4 h²)/(h + 2 h) = 5/3 h.
-TEST(VoxelSums, HowManyLeavesMakeAnEchoIsTakenFromTheCrossSection) {
-  const Voxel few = voxel_with(0.5, 0.04);
-  Voxel many = few;
-  many.counters.hits *= 2, many.echoes.echo *= 2;
-  const std::vector counters{few.counters, many.counters, few.counters, many.counters};
-  const std::vector echoes{few.echoes, many.echoes, few.echoes, many.echoes};
-  const auto sums = wide_beam_sums(counters, echoes, {2, kVoxel}, model_of(3 * kVoxel));
-  const VoxelSums narrow = sums_of(voxel_with(0.5, 0));
-  // R is that of the round before; three rounds leave less than a thousandth of it.
-  const double returned = sums[0].path / narrow.path;
-  const double around = 5.0 / 3.0 * narrow.hits / (returned * narrow.path);
-  EXPECT_NEAR(returned, ReturnedShare(0.25, 3 * around)(0.04 / kSide, 0), 2e-3);
-  EXPECT_GT(returned, sums_of(few).path / narrow.path + 0.02);
-  EXPECT_EQ(sums[2].path, sums[0].path);
+  EXPECT_LT(sums_of(deep, model).path, 0.97 * wide.path);
 }
 
 TEST(VoxelSums, EchoesBrighterThanAFullOneLeaveAPath) {
-  const VoxelSums s = sums_of(voxel_with(20, 0));
+  const VoxelSums s = sums_of(voxel_with(20, 0.04), model_of(0.1));
   EXPECT_GT(s.path, 0);
 }
 
