@@ -24,7 +24,7 @@ inline constexpr const char* kLeafAreaPerMDescription = "one-sided leaf area per
 
 /// In the order of `panel_value`, `panel_by_date`, GeoJSON and CSV; everywhere ray_count follows as an integer and
 /// wood_scan_id as text.
-inline constexpr std::array<MeasuredColumn, 12> kMeasuredColumns = {{
+inline constexpr std::array<MeasuredColumn, 14> kMeasuredColumns = {{
     {"plant_area_m2", &PanelValue::plant_area_m2,
      "one-sided area of everything that stops rays: leaves, wood, posts, wires, m²", "plant_m2", "m2"},
     {"leaf_area_m2", &PanelValue::leaf_area_m2,
@@ -44,9 +44,12 @@ inline constexpr std::array<MeasuredColumn, 12> kMeasuredColumns = {{
      "seen_frac", "0-1"},
     {"se_plant_area_m2", &PanelValue::se_plant_area_m2,
      "standard error of plant_area_m2, m²; two leaf areas with the same wood_scan_id differ by their plants, and so "
-     "this "
-     "is the error of each in their difference",
+     "this is the error of each in their difference",
      "se_plnt_m2", "m2"},
+    {"plant_ci_low_m2", &PanelValue::plant_ci_low_m2, "lower end of the 95 % interval of plant_area_m2, m²",
+     "plnt_ci_lo", "m2"},
+    {"plant_ci_high_m2", &PanelValue::plant_ci_high_m2, "upper end of the 95 % interval of plant_area_m2, m²",
+     "plnt_ci_hi", "m2"},
 }};
 
 }  // namespace rayfield::formats

@@ -197,8 +197,13 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
     for (std::size_t i = 0; i < row.size(); ++i) results.panel_values[i].*member = column[i];
   }
 
-  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known.
-  for (PanelValue& value : results.panel_values) value.se_plant_area_m2 = value.se_leaf_area_m2;
+  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known. ci_low_m2 is cut at 0.
+  for (PanelValue& value : results.panel_values) {
+    const double half = value.ci_high_m2 - value.leaf_area_m2;
+    value.se_plant_area_m2 = value.se_leaf_area_m2;
+    value.plant_ci_low_m2 = std::max(0.0, value.plant_area_m2 - half);
+    value.plant_ci_high_m2 = value.plant_area_m2 + half;
+  }
 
   RAYFIELD_ASSIGN(const auto metre_row, arrays.column<std::int32_t>("metre_row"));
   RAYFIELD_ASSIGN(const auto chainage, arrays.column<double>("metre_chainage_m"));

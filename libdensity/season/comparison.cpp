@@ -28,7 +28,8 @@ std::map<std::string, const PanelValue*> by_panel(const ScanResults& scan) {
 PanelValue unseen(const PanelProduct& panel, const ScanProduct& scan) {
   PanelValue v;
   v.panel_uid = panel.panel_uid, v.scan_id = scan.scan_id, v.scan_date = scan.scan_date;
-  v.plant_area_m2 = v.leaf_area_m2 = v.leaf_area_per_m = v.lai = v.se_leaf_area_m2 = kNaN;
+  v.plant_area_m2 = v.leaf_area_m2 = v.leaf_area_per_m = v.lai = kNaN;
+  v.se_leaf_area_m2 = v.se_plant_area_m2 = v.plant_ci_low_m2 = v.plant_ci_high_m2 = kNaN;
   v.ci_low_m2 = v.ci_high_m2 = v.canopy_height_m = v.canopy_width_m = v.gap_fraction = kNaN;
   return v;
 }

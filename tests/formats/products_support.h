@@ -77,7 +77,8 @@ inline BlockProducts make_block(int rows, int panels_per_row, const std::vector<
       v.lai = v.leaf_area_per_m / 2.75;
       v.se_leaf_area_m2 = 0.25, v.ci_low_m2 = v.leaf_area_m2 - 0.5, v.ci_high_m2 = v.leaf_area_m2 + 0.5;
       v.canopy_height_m = 1.75, v.canopy_width_m = 0.625, v.gap_fraction = 0.375, v.observed_fraction = 0.9375;
-      v.se_plant_area_m2 = 0.1875, v.ray_count = 5'000'000'000LL;
+      v.se_plant_area_m2 = 0.1875, v.plant_ci_low_m2 = v.plant_area_m2 - 0.375;
+      v.plant_ci_high_m2 = v.plant_area_m2 + 0.375, v.ray_count = 5'000'000'000LL;
       v.descriptors = {0.875, 0.0625, 0.1875, 2.5, 0.75, 0.5, 2.25};
       for (const double low : {0.75, 1.0})
         results.profile.push_back(

@@ -103,19 +103,21 @@ TEST(Csv, HasOneLinePerPanelAndDateAndEmptyFieldsForNan) {
   std::istringstream lines(read_file(folder / "a.csv"));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line,
-            "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
-            "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
-            "se_plant_area_m2,ray_count,wood_scan_id,canopy_base_m,row_gap_share,porosity,"
-            "leaf_layer_number,exposed_leaf_share,fruit_zone_area_per_m,fruit_zone_density,wood_from,block,farm,"
-            "variety,longitude,latitude");
+  EXPECT_EQ(
+      line,
+      "panel_uid,row_number,panel_number,length_m,scan_id,scan_date,plant_area_m2,leaf_area_m2,leaf_area_per_m,"
+      "lai,se_leaf_area_m2,ci_low_m2,ci_high_m2,canopy_height_m,canopy_width_m,gap_fraction,observed_fraction,"
+      "se_plant_area_m2,plant_ci_low_m2,plant_ci_high_m2,ray_count,wood_scan_id,canopy_base_m,row_gap_share,porosity,"
+      "leaf_layer_number,exposed_leaf_share,fruit_zone_area_per_m,fruit_zone_density,wood_from,block,farm,"
+      "variety,longitude,latitude");
   std::getline(lines, line);
-  EXPECT_EQ(line,
-            "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
-            "0.9375,0.1875,5000000000,2018-07-20,0.875,0.0625,0.1875,2.5,0.75,0.5,2.25,dormant scan,block a,Hill "
-            "Farm,\"=1+1, "
-            "\"\"x\"\"\"," +
-                place(block.crs, (block.panels[0].outline[0] + block.panels[0].outline[2]) / 2));
+  EXPECT_EQ(
+      line,
+      "panel-1-1,1,1,6.5,scan-2018-12-12,2018-12-12,13.375,11.375,1.75,,0.25,10.875,11.875,1.75,0.625,0.375,"
+      "0.9375,0.1875,13,13.75,5000000000,2018-07-20,0.875,0.0625,0.1875,2.5,0.75,0.5,2.25,dormant scan,block a,Hill "
+      "Farm,\"=1+1, "
+      "\"\"x\"\"\"," +
+          place(block.crs, (block.panels[0].outline[0] + block.panels[0].outline[2]) / 2));
   std::getline(lines, line);
   EXPECT_NE(line.find(",\"x,\"\"y\"\"\",2018-12-12,"), std::string::npos) << line;
   int more = 0;

@@ -105,6 +105,8 @@ void expect_reads_back(const BlockProducts& block, const Reading& reading) {
     expect_number(*feature, name("leaf_area_m2"), value.leaf_area_m2, reading.tolerance);
     expect_number(*feature, name("leaf_area_per_m"), value.leaf_area_per_m, reading.tolerance);
     expect_number(*feature, name("se_plant_area_m2"), value.se_plant_area_m2, reading.tolerance);
+    expect_number(*feature, name("plant_ci_low_m2"), value.plant_ci_low_m2, reading.tolerance);
+    expect_number(*feature, name("plant_ci_high_m2"), value.plant_ci_high_m2, reading.tolerance);
     expect_number(*feature, name("ray_count"), static_cast<double>(value.ray_count), 0);
     int year = 0, month = 0, day = 0, ignored = 0;
     if (feature->GetFieldAsDateTime(feature->GetFieldIndex(name("scan_date").c_str()), &year, &month, &day, &ignored,

@@ -112,7 +112,12 @@ TEST(LeafProducts, HoldTheWoodWhereTheUserDoesNotWantItEstimated) {
   EXPECT_EQ(results.scan.wood_from, "");
   EXPECT_EQ(results.panel_values[0].wood_scan_id, "");
   EXPECT_GT(leaf_area(results), 1.1 * drive_with(kHalf, kFirst).leaf_area_m2);
-  EXPECT_EQ(results.panel_values[0].se_plant_area_m2, results.panel_values[0].se_leaf_area_m2);
+  for (const PanelValue& value : results.panel_values) {
+    EXPECT_EQ(value.se_plant_area_m2, value.se_leaf_area_m2);
+    EXPECT_NEAR(value.plant_ci_high_m2 - value.plant_area_m2, value.ci_high_m2 - value.leaf_area_m2, 1e-9);
+    EXPECT_NEAR(value.plant_area_m2 - value.plant_ci_low_m2, value.plant_ci_high_m2 - value.plant_area_m2, 1e-9);
+    EXPECT_GT(value.plant_ci_high_m2 - value.plant_area_m2, 1.9 * value.se_plant_area_m2);
+  }
   EXPECT_THAT(raster_names(block.snapshot().scans[0]), Not(Contains(kLeafRasterName)));
   EXPECT_EQ(block.process({}, options).scans[0].files_made, 0U);
 }

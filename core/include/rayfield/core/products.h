@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -97,7 +96,8 @@ struct PanelValue {
   double observed_fraction = 0;  ///< share of voxels crossed by at least two rays
   std::int64_t ray_count = 0;
   double se_plant_area_m2 = 0;
-  std::string wood_scan_id;  ///< dormant scan whose wood was subtracted; empty: none
+  double plant_ci_low_m2 = 0, plant_ci_high_m2 = 0;  ///< 95 % interval of plant_area_m2
+  std::string wood_scan_id;                          ///< dormant scan whose wood was subtracted; empty: none
   CanopyDescriptors descriptors = {};
   std::string wood_from = {};  ///< as the scan's
 };
