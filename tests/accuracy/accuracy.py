@@ -13,7 +13,6 @@ its own and none is dormant, so that wood is estimated without a dormant scan; o
 Markdown tables; the exit code is 1 if a figure misses its target. Needs python3-gdal and python3-numpy.
 """
 import argparse
-import csv
 import glob
 import json
 import os
@@ -23,9 +22,10 @@ import sys
 import tomllib
 
 import numpy as np
-from osgeo import gdal, ogr, osr
+from osgeo import osr
 
-gdal.UseExceptions()
+from site_files import Frame, raster, read_csv, rotations, rows_of, run, sample
+
 TARGETS = {"ratio": (0.97, 1.03), "rrmse": 0.06, "slope": 0.85, "posts_m": 0.10, "ground_open_m": 0.03,
            "ground_vine_m": 0.05, "repeat": 0.025, "raster": 0.005,
            "leaf_ratio": (0.95, 1.05), "leaf_rrmse": 0.06, "leafless_m2": 0.1, "held": 0.9}
@@ -35,84 +35,6 @@ TARGETS = {"ratio": (0.97, 1.03), "rrmse": 0.06, "slope": 0.85, "posts_m": 0.10,
 TARGETS_SLAM = {**TARGETS, "ratio": (0.95, 1.05), "rrmse": 0.08, "posts_m": np.inf, "ground_open_m": np.inf,
                 "ground_vine_m": np.inf}
 TARGETS_TRAJECTORY = {"ate_m": 0.05, "ate_max_m": 0.15, "drift": 0.005, "thickness_m": 0.025}
-
-
-def run(*command):
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(command)}: exit {done.returncode}: {done.stderr.strip()[-2000:]}")
-    return json.loads(done.stdout) if "--json" in command else done.stdout
-
-
-def number(text):
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def read_csv(path):
-    with open(path, newline="") as file:
-        return [{k: number(v) for k, v in row.items()} for row in csv.DictReader(file)]
-
-
-class Frame:
-    """Local east-north-up metres of a site → map coordinates."""
-
-    def __init__(self, site, crs):
-        source, target = osr.SpatialReference(), osr.SpatialReference()
-        target.SetFromUserInput(crs)
-        source.CopyGeogCSFrom(target)
-        for system in (source, target):
-            system.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
-        self.transform = osr.CoordinateTransformation(source, target)
-        self.lat, self.lon, self.alt = site["lat"], site["lon"], site["alt"]
-        a, f = source.GetSemiMajor(), 1 / source.GetInvFlattening()
-        e2, s = f * (2 - f), np.sin(np.radians(self.lat))
-        self.prime = a / np.sqrt(1 - e2 * s * s)
-        self.meridian = a * (1 - e2) / (1 - e2 * s * s) ** 1.5
-        self.zero = self._grid(0, 0)
-        self.jacobian = np.column_stack([(self._grid(50, 0) - self._grid(-50, 0)) / 100,
-                                         (self._grid(0, 50) - self._grid(0, -50)) / 100])
-
-    def _grid(self, e, n):
-        lon = self.lon + np.degrees(e / ((self.prime + self.alt) * np.cos(np.radians(self.lat))))
-        lat = self.lat + np.degrees(n / (self.meridian + self.alt))
-        return np.array(self.transform.TransformPoint(lon, lat)[:2])
-
-    def map(self, e, n):
-        return self.zero + self.jacobian @ np.array([e, n])
-
-
-def raster(path):
-    data = gdal.Open(path)
-    return data.ReadAsArray(), data.GetGeoTransform()
-
-
-def sample(path, points):
-    """Bilinear values of a raster at map points; NaN outside."""
-    values, g = raster(path)
-    out = np.full(len(points), np.nan)
-    for i, (x, y) in enumerate(points):
-        c, r = (x - g[0]) / g[1] - 0.5, (y - g[3]) / g[5] - 0.5
-        c0, r0 = int(np.floor(c)), int(np.floor(r))
-        if 0 <= c0 < values.shape[1] - 1 and 0 <= r0 < values.shape[0] - 1:
-            u, v = c - c0, r - r0
-            out[i] = ((values[r0, c0] * (1 - u) + values[r0, c0 + 1] * u) * (1 - v)
-                      + (values[r0 + 1, c0] * (1 - u) + values[r0 + 1, c0 + 1] * u) * v)
-    return out
-
-
-def rows_of(gpkg, layer):
-    source = ogr.Open(gpkg)
-    out = []
-    for feature in source.GetLayerByName(layer):
-        item = feature.items()
-        geometry = feature.GetGeometryRef()
-        if geometry is not None:
-            item["geometry"] = geometry.Clone()
-        out.append(item)
-    return out
 
 
 def against_truth(out, scan_id, truth, crs):
@@ -137,6 +59,8 @@ def against_truth(out, scan_id, truth, crs):
         measured.append(near["plant_area_m2"])
         true.append(t["leaf_area_m2"] + t["wood_area_m2"])
         pairs.append((near, t))
+    figures["held"] = sum(v["plant_ci_low_m2"] <= t["leaf_area_m2"] + t["wood_area_m2"] <= v["plant_ci_high_m2"]
+                          for v, t in pairs)
     measured, true = np.array(measured), np.array(true)
     total = sum(v["plant_area_m2"] or 0 for v in values)
     figures["panels"], figures["unmatched"] = len(true_panels), unmatched
@@ -258,14 +182,6 @@ def print_leaves(everything):
               f"| {f['held']}/{f['panels']} | {f['half_interval_m2']:.2f} | {' '.join(missed) or '–'} |")
 
 
-def rotations(q):
-    """Rotation matrices of quaternions (x y z w), n × 3 × 3."""
-    x, y, z, w = q.T
-    return np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
-                     2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
-                     2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], -1).reshape(-1, 3, 3)
-
-
 def trajectory_figures(estimate_file, truth_file, report_file):
     """Of a trajectory: errors after the best yaw and translation (ATE), of relative poses over 10 m of path (drift), and
     as it stands in the map (georeferenced, with its mean over the drive)."""
@@ -379,8 +295,8 @@ def main():
     keep = arguments.keep or arguments.reuse
     everything, trajectories, leaf_areas, bad = {}, [], [], False
     targets = TARGETS_SLAM if arguments.slam else TARGETS
-    print("| site | scan | plant area ratio | RRMSE | slope | rows | posts: median m, found, invented | ground RMSE open / vine, m | raster/panels | misses |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| site | scan | plant area ratio | RRMSE | slope | intervals that hold the truth | rows | posts: median m, found, invented | ground RMSE open / vine, m | raster/panels | misses |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
     for site_file in arguments.sites:
         name = os.path.splitext(os.path.basename(site_file))[0]
         folder = f"{arguments.out}/{name}"
@@ -430,7 +346,7 @@ def main():
                 bad = bad or bool(missed_leaves)
             bad = bad or bool(missed)
             print(f"| {name} | {scan_id} | {f['ratio']:.3f} | {100 * f.get('rrmse', float('nan')):.1f} % | {f.get('slope', float('nan')):.2f} "
-                  f"| {f['rows_matched']}/{f['rows_true']} (found {f['rows_found']}) | {f.get('posts_m', float('nan')):.3f}, "
+                  f"| {f['held']} of {f['panels']} | {f['rows_matched']}/{f['rows_true']} (found {f['rows_found']}) | {f.get('posts_m', float('nan')):.3f}, "
                   f"{f.get('posts_found', 0)}/{f.get('posts_true', 0)}, {f.get('posts_invented', 0)} "
                   f"| {f.get('ground_open_m', float('nan')):.3f} / {f.get('ground_vine_m', float('nan')):.3f} | {1 + f['raster']:.4f} | {' '.join(missed) or '–'} |", flush=True)
         leaves = {i: json.load(open(f"{s}/truth/site.json"))["leaf_area_m2"] for s, i in zip(scans, ids)}
@@ -445,7 +361,7 @@ def main():
                 everything[name][f"{a} | {b}"] = {"repeat": rrmse}
                 missed = rrmse > TARGETS["repeat"]
                 bad = bad or missed
-                print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | {'repeat' if missed else '–'} |", flush=True)
+                print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | | {'repeat' if missed else '–'} |", flush=True)
         if not keep:
             subprocess.run(["rm", "-rf", folder], check=True)
     if leaf_areas:

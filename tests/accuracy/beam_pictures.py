@@ -19,7 +19,7 @@ import re
 
 import numpy as np
 
-from accuracy import Frame, read_csv, run
+from site_files import Frame, read_csv, run
 
 SHARES = [0.15, 0.25, 0.40]
 BARE, LEAFY = "2019-08-06", "2020-01-22"

@@ -16,7 +16,7 @@ import subprocess
 import tomllib
 
 import numpy as np
-from accuracy import Frame, read_csv, rows_of, run
+from site_files import Frame, read_csv, rows_of, run
 
 FRUIT_ZONE_M = (0.8, 1.2)  # the default of the program; truth knows bands of 5 cm
 PANEL = [("canopy_height_m", "height_m", "height, m"), ("canopy_width_m", "width_m", "width, m"),

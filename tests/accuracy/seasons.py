@@ -18,7 +18,7 @@ import tomllib
 
 import numpy as np
 
-from accuracy import Frame, read_csv, rotations, rows_of, run
+from site_files import Frame, read_csv, rotations, rows_of, run
 
 TARGETS = {"posts_m": 0.02, "total": 0.03, "repeat": 0.02, "repeat_half_metre": 0.08, "sign": 0.95,
            "leaf_total": 0.05, "leaf_rrmse": 0.06, "bare_m2": 0.1}
