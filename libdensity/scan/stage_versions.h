@@ -15,11 +15,11 @@ inline constexpr int kVoxelSizeVersion = 3;
 inline constexpr int kEchoesVersion = 4;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 2;
-inline constexpr int kResultsVersion = 7;
+inline constexpr int kResultsVersion = 8;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 5;
-inline constexpr int kLeafByEstimateVersion = 2;
+inline constexpr int kLeafVersion = 6;
+inline constexpr int kLeafByEstimateVersion = 3;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,      kProfileVersion,

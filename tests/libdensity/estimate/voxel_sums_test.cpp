@@ -10,7 +10,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kFull = 1000, kSide = 0.08, kVoxel = 0.07;
+constexpr double kFull = 1000, kShare = 0.25, kSide = 0.08, kVoxel = 0.07;
 
 /// Ten rays, four hits of the same share of a full echo; of 1.5 voxel sides behind them.
 struct Voxel {
@@ -32,7 +32,8 @@ Voxel voxel_with(double share, double width_m) {
 /// Of a lidar with one beam at a time, 40 mm wide in the mean, that does not see `lost` of what leaves take.
 EchoModel model_of(double lost) {
   EchoModel model;
-  model.full_echo = kFull, model.detection_share = 0.25, model.leaf_size_m2 = kSide * kSide, model.echo_variation = 0.2;
+  model.full_echo = kFull, model.detection_share = kShare, model.leaf_size_m2 = kSide * kSide,
+  model.echo_variation = 0.2;
   model.mean_width_m = 0.04, model.lost_share = lost;
   return model;
 }
@@ -42,8 +43,9 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
   return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, 1, kVoxel}, model).at(0);
 }
 
-/// What is lost is left in: the path is too long by exp(−0.075·T), T the voxel's own optical path, hits over path.
-double through(const VoxelSums& s) { return std::exp(-0.075 * s.hits / s.path); }
+/// What is lost is left in: the path is too long by exp(−0.27·t·T), t the detection share (kShare), T the voxel's
+/// own optical path, hits over path.
+double through(const VoxelSums& s) { return std::exp(-0.27 * kShare * s.hits / s.path); }
 
 TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
   const VoxelCounters c = voxel_with(1, 0).counters;
@@ -90,8 +92,18 @@ TEST(VoxelSums, TheThickerTheRowTheMoreIsMissing) {
   const auto behind = wide_beam_sums(counters, echoes, {2, 1, kVoxel}, model_of(0));
   const auto above = wide_beam_sums(counters, echoes, {1, 2, kVoxel}, model_of(0));
   const double untouched = 8 + 0.5 * 1.5;
-  EXPECT_NEAR(behind[0].path, untouched * std::exp(-0.075 * 2 * behind[0].hits / behind[0].path), 1e-3);
+  EXPECT_NEAR(behind[0].path, untouched * std::exp(-0.27 * kShare * 2 * behind[0].hits / behind[0].path), 1e-3);
   EXPECT_NEAR(above[0].path, untouched * through(above[0]), 1e-3);
+}
+
+TEST(VoxelSums, TheLargerADetectableEchoIsTheMoreIsMissingInside) {
+  const double untouched = 8 + 0.5 * 1.5;
+  EchoModel model = model_of(0);
+  for (const double share : {0.0, 0.1, 0.4}) {
+    model.detection_share = share;
+    const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+    EXPECT_NEAR(s.path, untouched * std::exp(-0.27 * share * s.hits / s.path), 1e-3) << share;
+  }
 }
 
 // Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.
@@ -116,7 +128,7 @@ TEST(VoxelSums, OfSeveralBeamsAtATimeATableTellsWhatIsMissing) {
   model.resolution_path = 0.6;
   const VoxelSums narrow = sums_of(voxel_with(0.5, 0), model), wide = sums_of(voxel_with(0.5, 0.04), model);
   EXPECT_EQ(wide.hits, narrow.hits);
-  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(0.25, 0.6)(0.04 / kSide, 0), 1e-4);
+  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(kShare, 0.6)(0.04 / kSide, 0), 1e-4);
   Voxel deep = voxel_with(0.5, 0.04);
   deep.echoes.depth = EchoCounters::path_units(8) * EchoCounters::depth_units(6);  // 6 sides of a quarter hit each
   EXPECT_LT(sums_of(deep, model).path, 0.97 * wide.path);
