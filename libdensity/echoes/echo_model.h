@@ -1,4 +1,5 @@
 #pragma once
+/// echoes: what the echoes of a scan tell of the leaves and of the lidar's beam (docs/beams.md).
 
 #include <optional>
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 
-/// Here lives what the echoes of a scan tell of the leaves and of the lidar's beam (docs/beams.md).
 namespace rayfield::density {
 
 /// What neighbouring beams say about the size of the leaves (docs/density.md, "How large is a leaf").

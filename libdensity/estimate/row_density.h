@@ -1,4 +1,6 @@
 #pragma once
+/// estimate: counts become density, and densities panels, half metres, sections and maps (docs/density.md,
+/// "Estimating").
 
 #include <cstdint>
 #include <optional>
@@ -13,7 +15,6 @@
 #include "rayfield/density/estimator.h"
 #include "rayfield/density/options.h"
 
-/// Here counts become density, and densities panels, half metres, sections and maps (docs/density.md, "Estimating").
 namespace rayfield::density {
 
 /// Where the value of a voxel comes from.

@@ -1,4 +1,5 @@
 #pragma once
+/// leaf: leaf areas: plants less the wood that a dormant scan shows or the canopy lets expect (docs/density.md).
 
 #include <optional>
 #include <string>

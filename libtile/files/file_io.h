@@ -1,6 +1,6 @@
 #pragma once
 
-/// files/: what a store is made of: checked and durable files, their names and entries, the writer's lock.
+/// files: what a store is made of: checked and durable files, their names and entries, the writer's lock.
 
 #include <cstddef>
 #include <cstdint>

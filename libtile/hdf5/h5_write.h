@@ -1,6 +1,6 @@
 #pragma once
 
-/// hdf5/: the HDF5 container of tile files and derived files. Compressed columns go in, places of compressed chunks
+/// hdf5: the HDF5 container of tile files and derived files. Compressed columns go in, places of compressed chunks
 /// come out; no other folder calls the HDF5 library, which writes, and nothing but this folder's reader reads.
 
 #include <cstddef>

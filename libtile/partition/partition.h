@@ -1,6 +1,6 @@
 #pragma once
 
-/// partition/: cuts a stream of rays into tile files with bounded memory.
+/// partition: cuts a stream of rays into tile files with bounded memory.
 
 #include <vector>
 

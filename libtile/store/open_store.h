@@ -1,6 +1,6 @@
 #pragma once
 
-/// store/: the store itself: snapshots, adding scans, reading, derived files, verify and garbage.
+/// store: the store itself: snapshots, adding scans, reading, derived files, verify and garbage.
 
 #include <filesystem>
 

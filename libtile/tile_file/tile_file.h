@@ -1,6 +1,6 @@
 #pragma once
 
-/// tile_file/: the content of a tile file: rays clipped to a tile, in integers, as compressed columns.
+/// tile_file: the content of a tile file: rays clipped to a tile, in integers, as compressed columns.
 
 #include <filesystem>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-/// drive/: how the vehicle moves: the way along the lanes, speed, suspension, and the trajectory as a smooth curve.
+/// drive: how the vehicle moves: the way along the lanes, speed, suspension, and the trajectory as a smooth curve.
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// scan/: what the sensors measure on a drive: lidar messages and rays, IMU, encoder, GPS.
+/// scan: what the sensors measure on a drive: lidar messages and rays, IMU, encoder, GPS.
 
 #include <optional>
 #include <vector>

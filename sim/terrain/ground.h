@@ -1,6 +1,6 @@
 #pragma once
 
-/// terrain/: where rows and lanes lie, the bare ground under them, and the triangles that all is made of.
+/// terrain: where rows and lanes lie, the bare ground under them, and the triangles that all is made of.
 
 #include <Eigen/Core>
 

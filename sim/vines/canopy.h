@@ -1,6 +1,6 @@
 #pragma once
 
-/// vines/: trellis, wood and leaves of the rows as triangles, how the wind moves them, and the areas they add up to.
+/// vines: trellis, wood and leaves of the rows as triangles, how the wind moves them, and the areas they add up to.
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-/// world/: a block on one date with its surroundings, ready for rays, and its place on the map.
+/// world: a block on one date with its surroundings, ready for rays, and its place on the map.
 
 #include <Eigen/Core>
 #include <memory>

@@ -1,11 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <random>
-#include <set>
 
 #include "rayfield/core/ray.h"
 #include "rayfield/formats/ply_writer.h"

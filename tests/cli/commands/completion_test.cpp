@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdio>
-#include <memory>
 #include <sstream>
 
 #include "tests/cli/program.h"
