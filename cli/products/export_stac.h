@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <functional>
 #include <string>
 
 #include "cli/products/export_folder.h"

@@ -6,9 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "rayfield/core/file.h"

@@ -1,7 +1,5 @@
 #include "cli/simulation/simulation_needs.h"
 
-#include <algorithm>
-
 namespace rayfield::cli {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include "rayfield/core/file.h"

@@ -11,7 +11,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 namespace rayfield {
 namespace {

@@ -1,8 +1,5 @@
 #include "rayfield/experiments/beam.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "experiments/beam/wall.h"
 #include "experiments/trials/trials.h"
 

@@ -3,7 +3,6 @@
 #include <cpl_string.h>
 #include <ogrsf_frmts.h>
 
-#include <cmath>
 #include <map>
 
 #include "formats/geopackage/gpkg_row.h"

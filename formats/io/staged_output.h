@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "rayfield/core/file.h"
 #include "rayfield/core/result.h"

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "formats/gis/qml.h"

@@ -3,7 +3,6 @@
 #include <array>
 #include <cassert>
 #include <cstddef>
-#include <span>
 #include <utility>
 
 #include "formats/io/base64.h"

@@ -1,7 +1,5 @@
 #include "formats/rosbag/bag_format.h"
 
-#include <utility>
-
 namespace rayfield::formats {
 namespace {
 

@@ -6,9 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "rayfield/core/byte_cursor.h"
 #include "rayfield/formats/rosbag_reader.h"

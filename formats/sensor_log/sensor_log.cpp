@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "formats/rosbag/ros_header.h"
 #include "formats/sensor_log/read_progress.h"

@@ -1,6 +1,5 @@
 #include "rayfield/formats/sensor_log_writer.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>

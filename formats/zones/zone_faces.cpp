@@ -3,7 +3,6 @@
 #include <ogr_api.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <numeric>
 

@@ -3,7 +3,6 @@
 #include <ogr_geometry.h>
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "rayfield/core/grid2.h"

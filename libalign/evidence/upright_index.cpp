@@ -1,6 +1,5 @@
 #include "libalign/evidence/upright_index.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace rayfield::align {

@@ -1,7 +1,6 @@
 #include "rayfield/align/warp.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace rayfield::align {
 namespace {

@@ -1,7 +1,6 @@
 #include "libdensity/estimate/raster_frame.h"
 
 #include <cmath>
-#include <limits>
 
 #include "libdensity/tiles/rounding.h"
 

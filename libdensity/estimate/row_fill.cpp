@@ -1,7 +1,6 @@
 #include "libdensity/estimate/row_fill.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <vector>
 

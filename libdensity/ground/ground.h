@@ -2,10 +2,8 @@
 /// ground: one pass over a tile makes its survey; from the surveys follow the sensor's trajectory and the ground
 /// (docs/ground.md).
 #include <Eigen/Core>
-#include <array>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "libdensity/ground/ground_model.h"
 #include "libdensity/ground/survey.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <map>
 #include <span>
-#include <vector>
 
 #include "libdensity/ground/ground.h"
 #include "rayfield/core/grid2.h"

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "libdensity/ground/survey.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "rayfield/core/grid2.h"

@@ -1,7 +1,6 @@
 #pragma once
 /// posts: upright things in the rows: posts, trunks, and the panels between posts.
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

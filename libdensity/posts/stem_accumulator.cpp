@@ -1,7 +1,6 @@
 #include "libdensity/posts/stem_accumulator.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "libdensity/layout/polyline.h"
 #include "libdensity/layout/row_locator.h"

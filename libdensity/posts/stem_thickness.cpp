@@ -1,7 +1,6 @@
 #include "libdensity/posts/stem_thickness.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rayfield/core/median.h"
 

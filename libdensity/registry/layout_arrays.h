@@ -1,8 +1,6 @@
 #pragma once
 
-#include <span>
 #include <string>
-#include <vector>
 
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/posts/posts.h"

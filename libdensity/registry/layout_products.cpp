@@ -1,6 +1,5 @@
 #include "libdensity/registry/layout_products.h"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 

@@ -2,7 +2,6 @@
 #include "libdensity/tiles/rounding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace rayfield::density {

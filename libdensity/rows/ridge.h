@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "libdensity/rows/canopy_map.h"

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "libdensity/scan/stage_versions.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <span>
-#include <vector>
 
 #include "libdensity/layout/row_layout.h"
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 #include "libslam/trajectory/pose_track.h"
 #include "rayfield/core/rigid3.h"

@@ -1,7 +1,5 @@
 #include "libslam/input/imu_grid.h"
 
-#include <cmath>
-
 namespace rayfield::slam {
 
 void ImuGrid::add(const ImuSample& sample) {

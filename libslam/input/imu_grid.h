@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <deque>
 #include <vector>
 
 #include "rayfield/core/sensor_log.h"

@@ -4,7 +4,6 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "libslam/surfels/surfel.h"
 #include "libslam/trajectory/pose_track.h"

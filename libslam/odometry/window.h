@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <span>
 
 #include "libslam/input/imu_grid.h"

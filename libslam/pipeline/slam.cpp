@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "libslam/global_registration/global_registration.h"
 #include "libslam/gps/georeference.h"

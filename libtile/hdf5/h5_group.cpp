@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <span>
 #include <string_view>
 
 #include "libtile/hdf5/h5_layout.h"

@@ -3,7 +3,6 @@
 #include <hdf5.h>
 
 #include <mutex>
-#include <string>
 #include <utility>
 
 #include "libtile/hdf5/element_type.h"

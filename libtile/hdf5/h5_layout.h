@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 /// What writer (h5_write.h) and reader (h5_read.h) of the container agree on (docs/store-format.md, "HDF5 structures").
 namespace rayfield::tile {

@@ -1,10 +1,7 @@
 #include "libtile/hdf5/h5_tree.h"
 
-#include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "libtile/hdf5/h5_layout.h"

@@ -1,6 +1,5 @@
 #include "libtile/store/verify.h"
 
-#include <cerrno>
 #include <cstring>
 #include <map>
 #include <optional>

@@ -3,8 +3,6 @@
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 
-#include <map>
-
 #include "libslam/pipeline/log_odometry.h"
 #include "libslam/unwarp/unwarper.h"
 #include "rayfield/slam/slam.h"

@@ -7,7 +7,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include "libtile/files/sealed_json.h"

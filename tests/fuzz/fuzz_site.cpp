@@ -1,7 +1,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <string_view>
 
 #include "rayfield/core/text_file.h"
 #include "rayfield/sim/site_toml.h"

@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "libslam/trajectory/so3.h"
 #include "rayfield/core/map_frame.h"

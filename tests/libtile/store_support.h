@@ -9,11 +9,9 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <random>
-#include <set>
 #include <string>
 #include <vector>
 

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
 
-#include <cmath>
-
 #include "rayfield/formats/geopackage.h"
 #include "rayfield/formats/registry_file.h"
 #include "tests/formats/gdal_dataset.h"

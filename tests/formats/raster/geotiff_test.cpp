@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
 
 #include "rayfield/core/parallel.h"

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "rayfield/formats/report.h"
 #include "tests/formats/season_support.h"

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <cmath>
-
 #include "rayfield/formats/rosbag_reader.h"
 #include "tests/formats/bag_bytes.h"
 

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "rayfield/formats/rig_file.h"
 #include "tests/formats/drive_bag.h"
 

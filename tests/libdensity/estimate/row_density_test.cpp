@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "rayfield/density/process.h"
 #include "tests/libdensity/hedge_run.h"

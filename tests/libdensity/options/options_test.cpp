@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "rayfield/density/comparison.h"
 #include "rayfield/density/findings.h"
 #include "rayfield/density/missing_rays.h"

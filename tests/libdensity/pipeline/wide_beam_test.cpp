@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/libdensity/simulated_block.h"
 
 /// Blocks seen by a lidar whose beam is as wide as a leaf.

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/libdensity/scene.h"
 
 namespace rayfield::density {

@@ -3,10 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-#include <random>
-#include <tuple>
 #include <vector>
 
 #include "tests/libdensity/voxel_worlds.h"

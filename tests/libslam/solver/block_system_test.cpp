@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include <random>
 #include <vector>
 
 #include "tests/libslam/linear_residuals.h"

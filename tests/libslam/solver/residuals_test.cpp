@@ -3,8 +3,6 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "tests/libslam/linear_residuals.h"
 
 // The hand-written Jacobians against numeric differentiation by Ceres, with the corrections applied to the trajectory

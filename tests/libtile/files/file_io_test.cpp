@@ -3,8 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstring>
-
 #include "tests/libtile/store_support.h"
 
 namespace rayfield::tile::testing {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <cstring>
 #include <stdexcept>
 
 #include "libtile/hdf5/column_codec.h"

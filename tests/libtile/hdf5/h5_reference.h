@@ -6,7 +6,6 @@
 #include <cstring>
 #include <functional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 

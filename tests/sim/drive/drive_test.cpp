@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <set>
 
 #include "sim/drive/true_trajectory.h"
 #include "sim/terrain/block_geometry.h"

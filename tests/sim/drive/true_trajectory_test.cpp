@@ -1,7 +1,6 @@
 #include "sim/drive/true_trajectory.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "tests/sim/sim_test_sites.h"
 

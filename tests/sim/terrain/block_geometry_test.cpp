@@ -1,7 +1,6 @@
 #include "sim/terrain/block_geometry.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "tests/sim/sim_test_sites.h"
 

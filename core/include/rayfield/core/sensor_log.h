@@ -1,9 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "rayfield/core/result.h"

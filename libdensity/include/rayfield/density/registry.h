@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"

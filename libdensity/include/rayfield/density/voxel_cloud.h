@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "rayfield/core/density_points.h"
 #include "rayfield/core/progress.h"

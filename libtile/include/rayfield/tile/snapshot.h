@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

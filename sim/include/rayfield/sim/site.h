@@ -1,6 +1,6 @@
 #pragma once
 
-/// site/: a synthetic vineyard as numbers, how they are read and checked, and the random numbers that follow from it.
+/// site: a synthetic vineyard as numbers, how they are read and checked, and the random numbers that follow from it.
 
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-/// truth/: the numbers that an estimator should find, and the files they are written to.
+/// truth: the numbers that an estimator should find, and the files they are written to.
 
 #include <Eigen/Core>
 #include <vector>
