@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "libdensity/echoes/echo_model_arrays.h"
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "libdensity/echoes/echo_model_arrays.h"
 #include "libdensity/estimate/descriptors.h"
 #include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/plan_raster.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libdensity/echoes/echo_model_arrays.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
@@ -15,7 +16,6 @@
 namespace rayfield::density {
 namespace {
 
-constexpr const char* kKind = "echoes";
 constexpr double kTypicalRangeM = 2;     // from a lane to the row beside it
 constexpr double kThinM = 0.003;         // diameter there
 constexpr double kCountedErrorPerM = 8;  // relative error by the diameter there, where echoes are counted as hits
@@ -43,27 +43,6 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};
-}
-
-std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,       m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
-          m.echo_variation,  m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
-          m.resolution_path, m.lost_share};
-}
-
-Result<std::optional<EchoModel>> model_from(const tile::ArraySet& arrays) {
-  RAYFIELD_ASSIGN(const auto f, arrays.column<double>("model"));
-  if (f.empty()) return std::nullopt;
-  constexpr std::size_t kOldest = 10;  // before version 3 without a resolution path, before version 4 a lost share
-  if (f.size() < kOldest || f.size() > fields_of({}).size())
-    return damaged(arrays, "the model has another number of values");
-  for (const double x : f)
-    if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
-  if (f.size() > kOldest) m.resolution_path = f[kOldest];
-  if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
-  if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
-  return m;
 }
 
 }  // namespace
@@ -96,7 +75,7 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                                                 const std::shared_ptr<const BeamView>& view) {
   if (!view) return std::nullopt;
   const double sample_m = work.options.voxel_fit.sample_m;
-  KeyBuilder key(kKind, kEchoesVersion);
+  KeyBuilder key(kEchoModelKind, kEchoesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
   key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
   add_beam(key, view->beam);
@@ -112,19 +91,17 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                                                                 {view->beam, resolution_of(view->beam, beam),
                                                                  beam.full_echo, work.options.estimator.leaf_size_m2})
                                           : std::nullopt;
-    tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
-    arrays.columns["model"] = model ? fields_of(*model) : std::vector<double>{};
-    return arrays;
+    return arrays_from_echo_model(model);
   };
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key.hex(), make));
-  return model_from(arrays);
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kEchoModelKind, "block", key.hex(), make));
+  return echo_model_from_arrays(arrays);
 }
 
 Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan) {
   for (const tile::DerivedEntry& entry : scan.derived) {
-    if (entry.kind != kKind) continue;
+    if (entry.kind != kEchoModelKind) continue;
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
-    return model_from(arrays);
+    return echo_model_from_arrays(arrays);
   }
   return std::nullopt;
 }
@@ -132,10 +109,6 @@ Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const til
 void add_beam(KeyBuilder& key, const LidarBeam& beam) {
   key.add(beam.diameter_m).add(beam.divergence_rad);
   key.add(beam.detection_share.value_or(-1)).add(beam.range_resolution_m.value_or(-1));
-}
-
-std::vector<double> model_numbers(const std::optional<EchoModel>& model) {
-  return model ? fields_of(*model) : std::vector<double>{};
 }
 
 IntegrationOptions integration_with_beam(const IntegrationOptions& integration, const tile::ScanEntry& scan,

@@ -41,9 +41,6 @@ Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const til
 /// What is known of a beam, for keys.
 void add_beam(KeyBuilder& key, const LidarBeam& beam);
 
-/// Everything in it, for keys.
-std::vector<double> model_numbers(const std::optional<EchoModel>& model);
-
 /// The options of integration with the error that the width of the scan's beam adds to what all voxels of a panel
 /// share (docs/beams.md, "How far it can be trusted").
 IntegrationOptions integration_with_beam(const IntegrationOptions& integration, const tile::ScanEntry& scan,

@@ -1,0 +1,45 @@
+#include "libdensity/echoes/echo_model_arrays.h"
+
+#include <cmath>
+
+#include "libdensity/tiles/stored.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kColumn = "model";
+
+std::vector<double> fields_of(const EchoModel& m) {
+  return {m.full_echo,       m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
+          m.echo_variation,  m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
+          m.resolution_path, m.lost_share};
+}
+
+}  // namespace
+
+std::vector<double> model_numbers(const std::optional<EchoModel>& model) {
+  return model ? fields_of(*model) : std::vector<double>{};
+}
+
+tile::ArraySet arrays_from_echo_model(const std::optional<EchoModel>& model) {
+  tile::ArraySet arrays{.kind = kEchoModelKind, .attributes = "{}"};
+  arrays.columns[kColumn] = model_numbers(model);
+  return arrays;
+}
+
+Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& arrays) {
+  RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
+  if (f.empty()) return std::nullopt;
+  constexpr std::size_t kOldest = 10;  // before version 3 without a resolution path, before version 4 a lost share
+  if (f.size() < kOldest || f.size() > fields_of({}).size())
+    return damaged(arrays, "the model has another number of values");
+  for (const double x : f)
+    if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
+  if (f.size() > kOldest) m.resolution_path = f[kOldest];
+  if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
+  if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
+  return m;
+}
+
+}  // namespace rayfield::density
