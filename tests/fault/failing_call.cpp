@@ -22,13 +22,13 @@ struct Failure {
 };
 
 const Failure& failure() {
-  static const Failure wanted = [] {
+  static const Failure kWanted = [] {
     Failure f;
     if (const char* text = std::getenv("RAYFIELD_FAILING_CALL"))
       std::istringstream(text) >> f.call >> f.end >> f.from >> f.error;
     return f;
   }();
-  return wanted;
+  return kWanted;
 }
 
 std::string path_of(int descriptor) {
@@ -56,18 +56,18 @@ Function next(const char* name) {
 extern "C" {
 
 dirent* readdir(DIR* folder) {
-  static const auto real = next<dirent* (*)(DIR*)>("readdir");
-  return failure().call == "readdir" && fails("readdir", path_of(::dirfd(folder))) ? nullptr : real(folder);
+  static const auto kReal = next<dirent* (*)(DIR*)>("readdir");
+  return failure().call == "readdir" && fails("readdir", path_of(::dirfd(folder))) ? nullptr : kReal(folder);
 }
 
 int fstat(int descriptor, struct stat* status) noexcept {
-  static const auto real = next<int (*)(int, struct stat*)>("fstat");
-  return failure().call == "fstat" && fails("fstat", path_of(descriptor)) ? -1 : real(descriptor, status);
+  static const auto kReal = next<int (*)(int, struct stat*)>("fstat");
+  return failure().call == "fstat" && fails("fstat", path_of(descriptor)) ? -1 : kReal(descriptor, status);
 }
 
 int stat(const char* path, struct stat* status) noexcept {
-  static const auto real = next<int (*)(const char*, struct stat*)>("stat");
-  return failure().call == "stat" && fails("stat", path) ? -1 : real(path, status);
+  static const auto kReal = next<int (*)(const char*, struct stat*)>("stat");
+  return failure().call == "stat" && fails("stat", path) ? -1 : kReal(path, status);
 }
 
 }  // extern "C"
