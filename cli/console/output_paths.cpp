@@ -1,32 +1,19 @@
 #include "cli/console/output_paths.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 
-#include "rayfield/core/file.h"
+#include "rayfield/core/nameless_file.h"
 
 namespace rayfield::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A file that is gone when it is closed. It has no name where the file system can do that, so that nothing is left of
-// it by a process that is killed. errno says why there is none.
-FileDescriptor make_probe(const fs::path& folder) {
-  FileDescriptor nameless(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600));
-  if (nameless.valid() || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return nameless;
-  std::string name = (folder / ".rayfield-probe-XXXXXX").string();
-  FileDescriptor file(::mkstemp(name.data()));
-  if (file.valid()) ::unlink(name.c_str());
-  return file;
-}
 
 // Permissions, read-only mounts and full inode tables all show when a file is made.
 Result<void> check_folder(const OutputPath& output) {
@@ -36,7 +23,7 @@ Result<void> check_folder(const OutputPath& output) {
   if (!fs::is_directory(folder, ignored))
     return fail(ErrorCode::usage, output.what, output.path, fmt::format("there is no folder {}", folder.string()),
                 "make it, or give another " + output.option);
-  const FileDescriptor file = make_probe(folder);
+  const FileDescriptor file = make_nameless_file(folder);
   const int error = errno;
   if (!file.valid() && (error == ENOENT || error == ENOTDIR))  // a file system that takes no files, like /proc
     return fail(ErrorCode::resources, output.what, output.path,

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "rayfield/core/nameless_file.h"
+
 namespace rayfield {
 namespace {
 
@@ -28,9 +30,8 @@ tl::unexpected<Error> failed(int error_number, std::string_view what, const std:
 Result<void> SpillFile::open() {
   const std::lock_guard lock(mutex_);
   if (file_.valid()) return {};
-  std::string path = (directory_ / "rayfield-XXXXXX").string();
-  file_ = FileDescriptor(::mkostemp(path.data(), O_CLOEXEC));
-  if (!file_.valid() || ::unlink(path.c_str()) != 0)
+  file_ = make_nameless_file(directory_);
+  if (!file_.valid())
     return failed(errno, "cannot create a temporary file", directory_,
                   errno == ENOSPC || errno == EDQUOT ? kFreeSpace : "check that files can be made there");
   return {};

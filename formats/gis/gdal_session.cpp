@@ -27,9 +27,10 @@ bool about_proj_database(std::string_view message) {
 
 bool about_resources(CPLErrorNum number, std::string_view message) {
   if (number == CPLE_FileIO || number == CPLE_OutOfMemory || number == CPLE_NoWriteAccess) return true;
-  constexpr std::array<std::string_view, 11> kSigns = {
-      "No space left",  "disk is full", "File too large", "Permission denied",  "Read-only file system", "readonly",
-      "disk I/O error", "Write error",  "Disk quota",     "Input/output error", "Stale file handle"};
+  constexpr std::array<std::string_view, 12> kSigns = {
+      "No space left",         "disk is full", "File too large",     "Permission denied",
+      "Read-only file system", "readonly",     "disk I/O error",     "disk image is malformed",
+      "Write error",           "Disk quota",   "Input/output error", "Stale file handle"};
   for (const std::string_view sign : kSigns) {
     if (message.find(sign) != std::string_view::npos) return true;
   }
