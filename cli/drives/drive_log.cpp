@@ -121,7 +121,7 @@ Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::str
                                           const std::string& trajectory_file, const std::string& crs,
                                           Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
-  RAYFIELD_ASSIGN(formats::Trajectory given, formats::read_trajectory(trajectory_file));
+  RAYFIELD_ASSIGN(formats::TrajectoryFile given, formats::read_trajectory(trajectory_file));
   if (!crs.empty() && !given.crs.empty() && !same_crs(given.crs, crs))
     return fail(ErrorCode::usage, "cannot use trajectory", trajectory_file,
                 fmt::format("it is in {}, not in {}", given.crs, crs), "transform it");

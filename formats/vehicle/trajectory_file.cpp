@@ -39,7 +39,7 @@ std::optional<std::array<double, 8>> parse_pose(std::string_view line) {
   return values;
 }
 
-void take_comment(std::string_view line, Trajectory& trajectory) {
+void take_comment(std::string_view line, TrajectoryFile& trajectory) {
   line.remove_prefix(1);
   const auto value_of = [line](std::string_view key) -> std::optional<std::string> {
     const std::size_t begin = line.find_first_not_of(" \t");
@@ -52,7 +52,7 @@ void take_comment(std::string_view line, Trajectory& trajectory) {
   if (const auto frame = value_of("frame:")) trajectory.frame = *frame;
 }
 
-Result<void> take_line(std::string_view line, const std::string& where, Trajectory& trajectory) {
+Result<void> take_line(std::string_view line, const std::string& where, TrajectoryFile& trajectory) {
   if (line.ends_with('\r')) line.remove_suffix(1);
   if (line.find_first_not_of(" \t") == std::string_view::npos) return {};
   if (line.front() == '#') {
@@ -82,7 +82,7 @@ Result<void> take_line(std::string_view line, const std::string& where, Trajecto
 bool one_line(const std::string& text) { return text.find_first_of("\r\n") == std::string::npos; }
 
 // Line by line through a window, so that a long trajectory takes no more memory than its poses.
-Result<void> read_lines(FileWindow& window, Trajectory& trajectory) {
+Result<void> read_lines(FileWindow& window, TrajectoryFile& trajectory) {
   std::uint64_t at = 0, number = 0;
   const std::string& path = window.file().path();
   while (at < window.file().size()) {
@@ -101,7 +101,7 @@ Result<void> read_lines(FileWindow& window, Trajectory& trajectory) {
   return {};
 }
 
-Result<void> read_packed(FileWindow& window, Trajectory& trajectory) {
+Result<void> read_packed(FileWindow& window, TrajectoryFile& trajectory) {
   const std::string& path = window.file().path();
   RAYFIELD_ASSIGN(const std::span<const std::byte> bytes, window.view(0, window.file().size()));
   auto text = unpack_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -115,7 +115,7 @@ Result<void> read_packed(FileWindow& window, Trajectory& trajectory) {
   return {};
 }
 
-std::string header_of(const Trajectory& trajectory) {
+std::string header_of(const TrajectoryFile& trajectory) {
   std::string text;
   if (!trajectory.crs.empty()) text += "# crs: " + trajectory.crs + "\n";
   if (!trajectory.frame.empty()) text += "# frame: " + trajectory.frame + "\n";
@@ -137,7 +137,7 @@ std::string line_of(const TimedPose& pose, const Digits& digits) {
                      q.y(), digits.quaternion, q.z(), digits.quaternion, q.w(), digits.quaternion);
 }
 
-Result<void> check_trajectory(const Trajectory& trajectory, const std::string& where) {
+Result<void> check_trajectory(const TrajectoryFile& trajectory, const std::string& where) {
   if (!one_line(trajectory.crs) || !one_line(trajectory.frame))
     return fail(ErrorCode::usage, kWrite, where, "the name of the CRS or of the frame has a line break");
   double last_s = -std::numeric_limits<double>::infinity();
@@ -153,18 +153,18 @@ Result<void> check_trajectory(const Trajectory& trajectory, const std::string& w
 
 }  // namespace
 
-Result<Trajectory> read_trajectory(const std::string& path) {
+Result<TrajectoryFile> read_trajectory(const std::string& path) {
   RAYFIELD_ASSIGN(InputFile file, InputFile::open(path, kRead));
   FileWindow window(std::move(file));
   RAYFIELD_ASSIGN(const std::span<const std::byte> head, window.view(0, 4));
-  Trajectory trajectory;
+  TrajectoryFile trajectory;
   const bool packed = is_packed({reinterpret_cast<const char*>(head.data()), head.size()});
   RAYFIELD_CHECK(packed ? read_packed(window, trajectory) : read_lines(window, trajectory));
   if (trajectory.poses.empty()) return fail(ErrorCode::bad_input, kRead, path, "it holds no poses");
   return trajectory;
 }
 
-Result<void> write_trajectory(const std::string& path, const Trajectory& trajectory) {
+Result<void> write_trajectory(const std::string& path, const TrajectoryFile& trajectory) {
   RAYFIELD_CHECK(check_trajectory(trajectory, path));
   RAYFIELD_ASSIGN(OutputFile file, OutputFile::create(path, kWrite));
   RAYFIELD_CHECK(file.write(header_of(trajectory)));
@@ -173,7 +173,7 @@ Result<void> write_trajectory(const std::string& path, const Trajectory& traject
 }
 
 // At 40 m an angle of 2·1e-8 is a micrometre: what rays of 0.1 mm need, with two digits to spare.
-Result<std::string> pack_trajectory(const Trajectory& trajectory) {
+Result<std::string> pack_trajectory(const TrajectoryFile& trajectory) {
   RAYFIELD_CHECK(check_trajectory(trajectory, "trajectory"));
   constexpr Digits kDigits{6, 5, 8};
   std::string text = header_of(trajectory);

@@ -46,10 +46,11 @@ VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double re
   return s;
 }
 
-/// Hits and paths of the cross sections of a stretch of row, added up.
-class Stretch {
+/// Hits and paths of neighbouring cross sections of a row, added up.
+class SectionSum {
  public:
-  explicit Stretch(const CrossSection& section) : section_(section), hits_(section.voxels()), path_(section.voxels()) {}
+  explicit SectionSum(const CrossSection& section)
+      : section_(section), hits_(section.voxels()), path_(section.voxels()) {}
   void add(std::span<const VoxelSums> section, double sign) {
     for (std::size_t k = 0; k < section.size(); ++k)
       hits_[k] += sign * section[k].hits, path_[k] += sign * section[k].path;
@@ -80,12 +81,12 @@ std::vector<double> thickness_along(std::span<const VoxelSums> sums, const Cross
   const auto reach = static_cast<std::size_t>(kThicknessReachM / section.voxel_m);
   const auto at = [&](std::size_t along) { return sums.subspan(along * section.voxels(), section.voxels()); };
   std::vector<double> out(count, 0);
-  Stretch stretch(section);
-  for (std::size_t along = 0; along < std::min(reach, count); ++along) stretch.add(at(along), 1);
+  SectionSum near(section);
+  for (std::size_t along = 0; along < std::min(reach, count); ++along) near.add(at(along), 1);
   for (std::size_t along = 0; along < count; ++along) {
-    if (along + reach < count) stretch.add(at(along + reach), 1);
-    if (along > reach) stretch.add(at(along - reach - 1), -1);
-    out[along] = stretch.thickness();
+    if (along + reach < count) near.add(at(along + reach), 1);
+    if (along > reach) near.add(at(along - reach - 1), -1);
+    out[along] = near.thickness();
   }
   return out;
 }

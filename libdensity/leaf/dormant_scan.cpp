@@ -46,7 +46,7 @@ std::string shows_much(double plant_area_per_m, const std::string& against) {
 }
 
 // Held against the scans of the months with leaves; where there are none, against what wood there can be.
-DormantVerdict judge(const ScanSeason& scan, std::span<const ScanSeason> scans, double latitude_deg) {
+DormantVerdict dormant_verdict(const ScanSeason& scan, std::span<const ScanSeason> scans, double latitude_deg) {
   if (!scan.plant_area_per_m) return {false, "is of the leafless months, but has not been processed"};
   bool held_against_leaves = false;
   for (const ScanSeason& other : scans) {
@@ -76,7 +76,7 @@ std::vector<DormantVerdict> find_dormant_scans(std::span<const ScanSeason> scans
     if (scan.declared) {
       verdicts.push_back({*scan.declared, *scan.declared ? "is dormant, as declared" : "is not dormant, as declared"});
     } else if (latitude_deg && is_leafless_season(scan.date, *latitude_deg)) {
-      verdicts.push_back(judge(scan, scans, *latitude_deg));
+      verdicts.push_back(dormant_verdict(scan, scans, *latitude_deg));
     } else {
       verdicts.push_back({});
     }

@@ -35,12 +35,12 @@ PanelValue unseen(const PanelProduct& panel, const ScanProduct& scan) {
 }
 
 // A change with its standard error. Without any error (nothing there on both dates) nothing changed.
-struct Judged {
+struct TestedChange {
   double low, high, p_value;
   ChangeVerdict verdict;
 };
-Judged judge(double change, double se) {
-  Judged out{change - kNormal95 * se, change + kNormal95 * se, 1, ChangeVerdict::none};
+TestedChange test_change(double change, double se) {
+  TestedChange out{change - kNormal95 * se, change + kNormal95 * se, 1, ChangeVerdict::none};
   if (change == 0) return out;
   out.p_value = std::erfc(std::abs(change) / se / std::sqrt(2.0));
   if (out.low > 0) out.verdict = ChangeVerdict::gain;
@@ -59,9 +59,9 @@ void take_change(PanelChange& change, double correlation) {
   change.leaf_change_per_m = change.leaf_change_m2 / change.length_m;
   change.leaf_change_percent = change.a.leaf_area_m2 > 0 ? 100 * change.leaf_change_m2 / change.a.leaf_area_m2 : kNaN;
   change.se_change_m2 = std::sqrt(variance_of_change(error_of(change.a), error_of(change.b), correlation));
-  const Judged judged = judge(change.leaf_change_m2, change.se_change_m2);
-  change.ci_low_m2 = judged.low, change.ci_high_m2 = judged.high;
-  change.p_value = judged.p_value, change.verdict = judged.verdict;
+  const TestedChange tested = test_change(change.leaf_change_m2, change.se_change_m2);
+  change.ci_low_m2 = tested.low, change.ci_high_m2 = tested.high;
+  change.p_value = tested.p_value, change.verdict = tested.verdict;
 }
 
 void take_nothing(PanelChange& change) {
@@ -83,8 +83,8 @@ TotalChange total_of(const std::vector<PanelChange>& panels, double correlation)
   }
   total.change_m2 = total.area_b_m2 - total.area_a_m2;
   total.se_m2 = std::sqrt(own + variance_of_change(a, b, correlation));
-  const Judged judged = judge(total.change_m2, total.se_m2);
-  total.ci_low_m2 = judged.low, total.ci_high_m2 = judged.high, total.verdict = judged.verdict;
+  const TestedChange tested = test_change(total.change_m2, total.se_m2);
+  total.ci_low_m2 = tested.low, total.ci_high_m2 = tested.high, total.verdict = tested.verdict;
   return total;
 }
 

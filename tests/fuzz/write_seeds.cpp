@@ -134,7 +134,7 @@ Result<void> write_cloud(const fs::path& path) {
 
 Result<void> write_trajectories(const fs::path& folder) {
   fs::create_directories(folder);
-  formats::Trajectory trajectory{{}, kCrs, "IMU"};
+  formats::TrajectoryFile trajectory{{}, kCrs, "IMU"};
   for (int i = 0; i < 4; ++i)
     trajectory.poses.push_back(
         {1.5e9 + 0.01 * i, Rigid3{Eigen::Quaterniond::Identity(), {276196.0 + i, 6099944.0, 82}}});

@@ -14,13 +14,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Result<Trajectory> read(const std::string& text) {
+Result<TrajectoryFile> read(const std::string& text) {
   const bytes::TemporaryFile file(text, ".tum");
   return read_trajectory(file.path());
 }
 
 TEST(TrajectoryFile, RoundTripsPosesCrsAndFrame) {
-  Trajectory trajectory;
+  TrajectoryFile trajectory;
   trajectory.crs = "EPSG:7854";
   trajectory.frame = "IMU";
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -42,8 +42,8 @@ TEST(TrajectoryFile, RoundTripsPosesCrsAndFrame) {
 }
 
 // A drive at 1.2 m/s over rough ground, 100 poses a second.
-Trajectory rough_drive(int count) {
-  Trajectory trajectory;
+TrajectoryFile rough_drive(int count) {
+  TrajectoryFile trajectory;
   trajectory.crs = "EPSG:7854";
   trajectory.frame = "IMU";
   for (int i = 0; i < count; ++i) {
@@ -57,7 +57,7 @@ Trajectory rough_drive(int count) {
 }
 
 TEST(TrajectoryFile, APackedTrajectoryKeepsEveryPoseToWhatRaysNeedInAFourthOfTheBytes) {
-  const Trajectory trajectory = rough_drive(6000);
+  const TrajectoryFile trajectory = rough_drive(6000);
   const auto packed = pack_trajectory(trajectory);
   ASSERT_TRUE(packed) << packed.error().line();
   const bytes::TemporaryFile plain("", ".tum"), file(*packed, ".tum.bz2");
@@ -122,7 +122,7 @@ TEST(TrajectoryFile, RefusesBadLinesWithTheirNumber) {
 
 TEST(TrajectoryFile, DoesNotWriteWhatItCouldNotRead) {
   const bytes::TemporaryFile file("before", ".tum");
-  Trajectory bad;
+  TrajectoryFile bad;
   bad.poses = {{2, {}}, {1, {}}};
   EXPECT_EQ(write_trajectory(file.path(), bad).error().code, ErrorCode::usage);
   bad.poses = {{1, {Eigen::Quaterniond::Identity(), {bytes::kNaN, 0, 0}}}};
