@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace rayfield::density {
+
+/// What neighbouring beams say about the size of the leaves (docs/density.md, "How large is a leaf").
+///
+/// For every hit in a voxel, the ray beside it (BeamNeighbours) passes at some distance r. Seen from there, with Δ =
+/// range of that ray − distance at which it passes the hit, counts of where those rays end, by r in steps of kStepM and
+/// by Δ in steps of kDepthStepM, from −kReachM to kReachM. Rays that ended before never came near and are not counted.
+struct LeafSizePairs {
+  static constexpr int kBins = 16;
+  static constexpr double kStepM = 0.005;
+  static constexpr int kDepths = 40;
+  static constexpr double kDepthStepM = 0.01, kReachM = kDepths / 2 * kDepthStepM;
+  using Depths = std::array<std::uint64_t, kDepths>;
+  /// [r][Δ]: of all rays, and in `beyond` those that go on.
+  std::array<Depths, kBins> rays{};
+  std::array<std::uint64_t, kBins> beyond{};
+  /// [r][Δ]: of rays whose echo counts. The others that end are taken to have gone past.
+  std::array<Depths, kBins> ends{};
+
+  LeafSizePairs& operator+=(const LeafSizePairs& other);
+  bool operator==(const LeafSizePairs&) const = default;
+  /// One pair: the next ray passes at `distance_m`, and ends `delta_m` beyond it (`hit`), or goes on at least that far.
+  void add(double distance_m, double delta_m, bool hit) { add(distance_m, delta_m, hit, *this); }
+  /// The same, with the ray counted here and where it ends in `echoes`.
+  void add(double distance_m, double delta_m, bool hit, LeafSizePairs& echoes);
+};
+
+/// Depths that are looked at together, and what they hold.
+struct PairWindows {
+  double window_m = 0.05;       ///< w, whole steps of Δ: leaf tilt at r ≤ 4 cm and the ranges' noise stay mostly inside
+  double range_noise_m = 0.012;  ///< standard deviation of one range
+};
+
+/// Pairs by r: rays that come near (Δ ≥ −2w), and those that end in front (−2w ≤ Δ < −w), at the same depth (|Δ| < w)
+/// and behind (w ≤ Δ < 2w).
+struct PairCounts {
+  using Counts = std::array<std::uint64_t, LeafSizePairs::kBins>;
+  Counts near{}, front{}, same{}, behind{};
+};
+PairCounts counts_of(const LeafSizePairs& pairs, double window_m);
+
+/// Pairs up to 4 cm apart. Of lidars with one beam most echoes have one, of lidars with several at a time fewer.
+std::uint64_t close_pairs(const LeafSizePairs& pairs);
+
+}  // namespace rayfield::density
