@@ -12,13 +12,13 @@ namespace {
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
-constexpr double kWoodInFullEcho = 1.5;      // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kNearShare = 0.3;           // of the echoes: those of the narrowest beams
-constexpr double kFullError = 0.02;          // relative, of the full echo from full echoes, beside what they tell of it
-constexpr double kMeanError = 0.10;          // relative, of the full echo from the mean echo
-constexpr double kWeakestShare = 0.02;       // of the echoes lie below the detection share,
-constexpr double kWeakest = 1.03;            // nearly: where they begin, in detection shares
-constexpr double kOneBeamsClosePairs = 0.2;  // or more, of the echoes
+constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
+constexpr double kFullError = 0.02;      // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kMeanError = 0.10;      // relative, of the full echo from the mean echo
+constexpr double kWeakestShare = 0.02;   // of the echoes lie below the detection share,
+constexpr double kWeakest = 1.03;        // nearly: where they begin, in detection shares
+constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
 constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
 constexpr double kSeveralBeamsResolutionPath = 0.6;
 constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
@@ -135,10 +135,10 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(narrowest(statistics.all())).mean();
-  // Of lidars with several beams at a time leaves are known too badly for what is right elsewhere to help: without full
-  // echoes and with a weakest echo that is taken too strong, two errors cancel there.
-  const bool one_beam = static_cast<double>(close_pairs(statistics.pairs_from(0))) >
-                        kOneBeamsClosePairs * static_cast<double>(statistics.echoes());
+  // Of lidars with several beams at a time what is lost with the thickness of the row is not known (docs/beams.md):
+  // without full echoes and with a weakest echo that is taken too strong, two errors cancel there.
+  const bool one_beam = static_cast<double>(statistics.previous_beside()) >
+                        kOneBeamsPreviousBeside * static_cast<double>(statistics.echoes());
   if (!one_beam) model.resolution_path = kSeveralBeamsResolutionPath;
   const double weakest = one_beam ? quantile(statistics.histogram(), kWeakestShare) / kWeakest
                                   : quantile(statistics.histogram(), kSeveralBeamsWeakestShare) / kSeveralBeamsWeakest;

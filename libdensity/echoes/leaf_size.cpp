@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +19,12 @@ constexpr int kSamples = 20000;               // standard error of the two avera
 constexpr std::uint64_t kEnoughPairs = 2000;  // standard error of the share of same-leaf pairs about 1 %
 constexpr double kNearestM = 0.01;            // nearer both beams are the same surface whatever its size
 constexpr double kCloseM = 0.04;
+constexpr double kNoiseSideM = 0.08;     // of leaves: matters little for how ranges scatter
+constexpr double kUsualNoiseM = 0.0175;  // up to here the usual windows are right
+constexpr double kWindowNoises = 4, kWidestWindowM = 0.1;
+constexpr double kEnough = 1000;                              // pairs, for the noise,
+constexpr std::size_t kFirstNoiseBin = 2, kLastNoiseBin = 8;  // from 1 cm apart up to 4
+constexpr double kLeastNoiseM = 0.001, kMostNoiseM = 0.08;
 constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
 
 double gaussian(Uniform& uniform) { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * kPi * uniform()); }
@@ -56,18 +63,26 @@ struct SameLeaf {
   double centre = 0, side = 0;
 };
 
-SameLeaf same_leaf(const std::vector<PlaneSample>& samples, double r, double side_m, double noise) {
+SameLeaf same_leaf(double r, double side_m, const PairWindows& windows) {
+  static const std::vector<PlaneSample> samples = plane_samples();
   SameLeaf out;
   for (const PlaneSample& p : samples) {
-    const double difference = std::abs(r * p.along + noise * p.noise);
-    if (difference >= 2 * LeafSizePairs::kWindowM) continue;
+    const double difference = std::abs(r * p.along + windows.range_noise_m * p.noise);
+    if (difference >= 2 * windows.window_m) continue;
     // The first ray hits anywhere on the square: share of places from which the offset stays on it.
     const double share = std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
-    (difference < LeafSizePairs::kWindowM ? out.centre : out.side) += share;
+    (difference < windows.window_m ? out.centre : out.side) += share;
   }
   out.centre /= static_cast<double>(samples.size());
   out.side /= 2 * static_cast<double>(samples.size());
   return out;
+}
+
+/// Number of rays that end in a range of depths.
+double ended(const LeafSizePairs::Depths& ends, std::size_t first, std::size_t last) {
+  double sum = 0;
+  for (std::size_t i = first; i < last; ++i) sum += static_cast<double>(ends[i]);
+  return sum;
 }
 
 /// Counts at one distance as shares of the rays that get that far.
@@ -76,7 +91,7 @@ struct Observed {
   double front, centre, behind;  ///< share that ends in each window, of those that enter it
 };
 
-std::vector<Observed> observe(const LeafSizePairs& pairs, double from_m, double to_m) {
+std::vector<Observed> observe(const PairCounts& pairs, double from_m, double to_m) {
   std::vector<Observed> out;
   for (int b = 0; b < LeafSizePairs::kBins; ++b) {
     const auto i = static_cast<std::size_t>(b);
@@ -108,47 +123,51 @@ double excess_at_depth(const Observed& o, const SameLeaf& q) {
 
 }  // namespace
 
-LeafSizePairs& LeafSizePairs::operator+=(const LeafSizePairs& other) {
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    near[i] += other.near[i], front[i] += other.front[i];
-    same[i] += other.same[i], behind[i] += other.behind[i];
+double same_leaf_probability(double distance_m, double side_m, const PairWindows& windows) {
+  return same_leaf(distance_m, side_m, windows).centre;
+}
+
+double range_noise_of(const LeafSizePairs& pairs) {
+  LeafSizePairs::Depths ends{};
+  std::vector<std::pair<double, double>> distances;  // of rays, and how many ended at all depths
+  double near = 0, all = 0;
+  for (std::size_t bin = kFirstNoiseBin; bin < kLastNoiseBin && !(all > kEnough); ++bin) {
+    for (std::size_t i = 0; i < ends.size(); ++i) ends[i] += pairs.ends[bin][i];
+    const double background = (ended(ends, 0, 10) + ended(ends, 30, 40)) / 20;
+    near = ended(ends, 18, 22) - 4 * background, all = ended(ends, 10, 30) - 20 * background;
+    distances.emplace_back((static_cast<double>(bin) + 0.5) * LeafSizePairs::kStepM,
+                           ended(pairs.ends[bin], 0, ends.size()));
   }
-  return *this;
+  if (!(all > kEnough)) return 0;
+  const auto share_within = [&](double noise_m) {
+    double within = 0, of = 0;
+    for (const auto& [distance_m, weight] : distances) {
+      within += weight * same_leaf(distance_m, kNoiseSideM, {0.02, noise_m}).centre;
+      of += weight * same_leaf(distance_m, kNoiseSideM, {0.10, noise_m}).centre;
+    }
+    return within / of;
+  };
+  double low = kLeastNoiseM, high = kMostNoiseM;
+  for (int step = 0; step < 20; ++step) {
+    const double middle = std::sqrt(low * high);
+    (share_within(middle) > near / all ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
 }
 
-void LeafSizePairs::add(double distance_m, double delta_m, bool hit, LeafSizePairs& ends) {
-  const double bin = distance_m / kStepM;
-  if (!(bin < kBins) || delta_m < -2 * kWindowM || (!hit && delta_m < 2 * kWindowM)) return;
-  const auto i = static_cast<std::size_t>(bin);
-  ++near[i];
-  if (!hit || delta_m >= 2 * kWindowM) return;
-  if (delta_m < -kWindowM)
-    ++ends.front[i];
-  else if (delta_m < kWindowM)
-    ++ends.same[i];
-  else
-    ++ends.behind[i];
+PairWindows windows_of(const LeafSizePairs& pairs) {
+  const double noise_m = range_noise_of(pairs);
+  if (noise_m <= kUsualNoiseM) return {};
+  const double steps = std::round(kWindowNoises * noise_m / LeafSizePairs::kDepthStepM);
+  return {std::min(kWidestWindowM, steps * LeafSizePairs::kDepthStepM), noise_m};
 }
 
-double same_leaf_probability(double distance_m, double side_m, double range_noise_m) {
-  static const std::vector<PlaneSample> kSamples = plane_samples();
-  return same_leaf(kSamples, distance_m, side_m, range_noise_m).centre;
-}
-
-std::uint64_t close_pairs(const LeafSizePairs& pairs) {
-  std::uint64_t sum = 0;
-  for (int b = 0; b < LeafSizePairs::kBins && (b + 1) * LeafSizePairs::kStepM < kCloseM + 1e-9; ++b)
-    sum += pairs.near[static_cast<std::size_t>(b)];
-  return sum;
-}
-
-LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
-  static const std::vector<PlaneSample> kSamples = plane_samples();
+LeafSize estimate_leaf_size(const PairCounts& counts, const PairWindows& windows) {
   LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
   // lidars with coarse steps.
-  std::vector<Observed> observed = observe(pairs, kNearestM, kCloseM);
-  if (total_weight(observed) < kEnoughPairs) observed = observe(pairs, kNearestM, 0.08);
+  std::vector<Observed> observed = observe(counts, kNearestM, kCloseM);
+  if (total_weight(observed) < kEnoughPairs) observed = observe(counts, kNearestM, 0.08);
   out.pairs = static_cast<std::uint64_t>(total_weight(observed));
   if (out.pairs < kEnoughPairs) return out;
   double low = kMinSideM, high = kMaxSideM;
@@ -158,7 +177,7 @@ LeafSize estimate_leaf_size(const LeafSizePairs& pairs, double range_noise_m) {
     // A share f of hits on canes and wires takes f·q from q ≈ 1 − 4r/(π·side): its pull on the side, f·q/(dq/dside),
     // goes with 1/r. Distances weigh with r², as if that were their error.
     for (const Observed& o : observed)
-      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(kSamples, o.r, side, range_noise_m));
+      excess += o.weight * o.r * o.r * excess_at_depth(o, same_leaf(o.r, side, windows));
     (excess > 0 ? low : high) = side;
   }
   out.area_m2 = std::min(low * high, LeafSize::kLargestM2);

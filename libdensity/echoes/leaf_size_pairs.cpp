@@ -6,7 +6,6 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kCloseM = 0.04;
 constexpr double kKnownBehindM = 0.1;  // rays that are cut off nearer tell nothing
 
 template <std::size_t N>
@@ -52,14 +51,6 @@ PairCounts counts_of(const LeafSizePairs& pairs, double window_m) {
     out.behind[i] = sum_of(pairs.ends[i], kMiddle + steps, kMiddle + 2 * steps);
   }
   return out;
-}
-
-std::uint64_t close_pairs(const LeafSizePairs& pairs) {
-  const PairCounts counts = counts_of(pairs, PairWindows{}.window_m);
-  std::uint64_t sum = 0;
-  for (int b = 0; b < LeafSizePairs::kBins && (b + 1) * LeafSizePairs::kStepM < kCloseM + 1e-9; ++b)
-    sum += counts.near[static_cast<std::size_t>(b)];
-  return sum;
 }
 
 }  // namespace rayfield::density

@@ -32,7 +32,7 @@ struct LeafSizePairs {
 
 /// Depths that are looked at together, and what they hold.
 struct PairWindows {
-  double window_m = 0.05;       ///< w, whole steps of Δ: leaf tilt at r ≤ 4 cm and the ranges' noise stay mostly inside
+  double window_m = 0.05;  ///< w, whole steps of Δ: leaf tilt at r ≤ 4 cm and the ranges' noise stay mostly inside
   double range_noise_m = 0.012;  ///< standard deviation of one range
 };
 
@@ -43,8 +43,5 @@ struct PairCounts {
   Counts near{}, front{}, same{}, behind{};
 };
 PairCounts counts_of(const LeafSizePairs& pairs, double window_m);
-
-/// Pairs up to 4 cm apart. Of lidars with one beam most echoes have one, of lidars with several at a time fewer.
-std::uint64_t close_pairs(const LeafSizePairs& pairs);
 
 }  // namespace rayfield::density

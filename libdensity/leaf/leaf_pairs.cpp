@@ -7,10 +7,10 @@
 namespace rayfield::density {
 namespace {
 
-constexpr auto kParts = {&LeafSizePairs::near, &LeafSizePairs::front, &LeafSizePairs::same, &LeafSizePairs::behind};
+constexpr auto kParts = {&PairCounts::near, &PairCounts::front, &PairCounts::same, &PairCounts::behind};
 
-double total(const LeafSizePairs& pairs) {
-  return static_cast<double>(std::accumulate(pairs.near.begin(), pairs.near.end(), std::uint64_t{0}));
+double total(const PairCounts& counts) {
+  return static_cast<double>(std::accumulate(counts.near.begin(), counts.near.end(), std::uint64_t{0}));
 }
 
 }  // namespace
@@ -29,21 +29,23 @@ void LeafPairs::add(const TileVoxels& plant, const TileVoxels& wood) {
     }
 }
 
-LeafSizePairs LeafPairs::pairs() const {
-  LeafSizePairs out = plant_;
+PairCounts LeafPairs::counts(double window_m) const {
+  const PairCounts plant = counts_of(plant_, window_m), wood = counts_of(wood_, window_m);
+  PairCounts out;
   const double share = wood_share();
   for (const auto part : kParts)
     for (std::size_t i = 0; i < LeafSizePairs::kBins; ++i) {
-      const double left = static_cast<double>((plant_.*part)[i]) - share * static_cast<double>((wood_.*part)[i]);
+      const double left = static_cast<double>((plant.*part)[i]) - share * static_cast<double>((wood.*part)[i]);
       (out.*part)[i] = static_cast<std::uint64_t>(std::llround(std::max(0.0, left)));
     }
   return out;
 }
 
 std::optional<double> LeafPairs::leaf_size_m2() const {
-  const LeafSizePairs of_leaves = pairs();
-  if (total(of_leaves) < kLeastShare * total(plant_)) return std::nullopt;
-  const LeafSize size = estimate_leaf_size(of_leaves);
+  const PairWindows windows = windows_of(plant_);
+  const PairCounts of_leaves = counts(windows.window_m);
+  if (total(of_leaves) < kLeastShare * total(counts_of(plant_, windows.window_m))) return std::nullopt;
+  const LeafSize size = estimate_leaf_size(of_leaves, windows);
   return size.measured ? std::optional(size.area_m2) : std::nullopt;
 }
 

@@ -19,7 +19,7 @@ class LeafPairs {
   /// The part of the dormant scan's pairs that is subtracted.
   double wood_share() const { return wood_hits_ > 0 ? expected_hits_ / wood_hits_ : 0; }
   /// What is negative by chance becomes 0.
-  LeafSizePairs pairs() const;
+  PairCounts counts(double window_m) const;
   /// Area of a leaf, m². Nothing where leaves have too small a part in the pairs (less than kLeastShare) for what
   /// remains to be more than the two scans' noise, or too few at all.
   std::optional<double> leaf_size_m2() const;

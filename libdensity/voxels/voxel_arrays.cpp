@@ -10,7 +10,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "voxels";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr std::size_t kReals = 11, kInts = 6;  // per row segment
 
 template <class T>
@@ -142,10 +142,13 @@ Result<void> pull_echoes(const tile::ArraySet& a, std::vector<RowSegmentVoxels>&
   return {};
 }
 
-std::vector<std::uint64_t> pair_counts(const LeafSizePairs& p) {
-  std::vector<std::uint64_t> out;
-  for (const auto& counts : {p.near, p.front, p.same, p.behind}) out.insert(out.end(), counts.begin(), counts.end());
-  return out;
+/// Calls visit(count) for every count, in the order of the file.
+template <class Pairs, class Visit>
+void for_counts(Pairs& pairs, Visit visit) {
+  for (auto* parts : {&pairs.rays, &pairs.ends})
+    for (auto& depths : *parts)
+      for (auto& count : depths) visit(count);
+  for (auto& count : pairs.beyond) visit(count);
 }
 
 }  // namespace
@@ -153,10 +156,11 @@ std::vector<std::uint64_t> pair_counts(const LeafSizePairs& p) {
 tile::ArraySet arrays_from_voxels(const TileVoxels& voxels) {
   tile::ArraySet out;
   out.kind = kKind, out.version = kVersion;
-  out.attributes = R"({"path_unit":"voxel side * 2^-25","pairs":"near, front, same, behind; 16 bins of 5 mm"})";
+  out.attributes =
+      R"({"path_unit":"voxel side * 2^-25","pairs":"rays, echoes: 16 bins of 5 mm by 40 of 10 mm of depth; beyond: 16"})";
   column<std::int32_t>(out, "tile") = {voxels.tile.ix, voxels.tile.iy};
   auto& pairs = column<std::int64_t>(out, "pairs");
-  for (const std::uint64_t n : pair_counts(voxels.pairs)) pairs.push_back(static_cast<std::int64_t>(n));
+  for_counts(voxels.pairs, [&](std::uint64_t n) { pairs.push_back(static_cast<std::int64_t>(n)); });
   auto& reals = column<double>(out, "stretch_reals");
   auto &ints = column<std::int32_t>(out, "stretch_ints"), &columns = column<std::int32_t>(out, "column");
   auto &entries = column<std::uint32_t>(out, "entries"), &rays = column<std::uint32_t>(out, "rays"),
@@ -187,20 +191,16 @@ Result<TileVoxels> voxels_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto pairs, arrays.column<std::int64_t>("pairs"));
   RAYFIELD_ASSIGN(const auto reals, arrays.column<double>("stretch_reals"));
   RAYFIELD_ASSIGN(const auto ints, arrays.column<std::int32_t>("stretch_ints"));
-  constexpr std::size_t kRealCount = kReals, kBins = LeafSizePairs::kBins;
+  constexpr std::size_t kRealCount = kReals;
+  constexpr std::size_t kPairCounts = LeafSizePairs::kBins * (2 * LeafSizePairs::kDepths + 1);
   const std::size_t count = ints.size() / kInts;
-  if (tile.size() != 2 || pairs.size() != 4 * kBins || ints.size() != count * kInts ||
+  if (tile.size() != 2 || pairs.size() != kPairCounts || ints.size() != count * kInts ||
       reals.size() != count * kRealCount)
     return damaged("tables of fixed size have another");
   TileVoxels out;
   out.tile = {tile[0], tile[1]};
-  const std::array<std::array<std::uint64_t, kBins>*, 4> parts = {&out.pairs.near, &out.pairs.front, &out.pairs.same,
-                                                                  &out.pairs.behind};
-  for (std::size_t p = 0; p < 4; ++p)
-    for (std::size_t b = 0; b < kBins; ++b) {
-      if (pairs[p * kBins + b] < 0) return damaged("negative counts");
-      (*parts[p])[b] = static_cast<std::uint64_t>(pairs[p * kBins + b]);
-    }
+  if (std::any_of(pairs.begin(), pairs.end(), [](std::int64_t n) { return n < 0; })) return damaged("negative counts");
+  for_counts(out.pairs, [at = pairs.begin()](std::uint64_t& n) mutable { n = static_cast<std::uint64_t>(*at++); });
   RAYFIELD_ASSIGN(Cursor cursor, open(arrays));
   for (std::size_t i = 0; i < count; ++i) {
     RowSegmentVoxels s;

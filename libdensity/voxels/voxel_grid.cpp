@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "libdensity/voxels/beam_neighbours.h"
 #include "libdensity/voxels/tile_ground.h"
 #include "libdensity/voxels/voxel_index.h"
 #include "libdensity/voxels/voxel_traversal.h"
@@ -17,8 +18,8 @@ namespace {
 
 /// Wood meets a ray in few places; further ones (a ray along a line of posts) are merged into the last.
 constexpr std::size_t kMaxGaps = 6;
-/// Rays of neighbouring beams: less than 8° apart.
-constexpr double kNeighbourCosine = 0.99;
+/// Of a ray from the hit beside it, for EchoStatistics::previous_beside().
+constexpr double kCloseM = 0.04;
 
 struct Piece {
   double from, to;
@@ -189,8 +190,7 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
   const BeamView* const view = geometry_->view.get();
   EchoStatistics* const statistics = statistics_ ? &*statistics_ : nullptr;
   std::size_t track_hint = 0;
-  bool last_was_leaf = false;  // the segment before ended on something counted in a voxel
-  Eigen::Vector3d last_direction = Eigen::Vector3d::Zero();
+  BeamNeighbours neighbours;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Eigen::Vector3d p = segments.entry[i];
     Eigen::Vector3d d = segments.exit[i] - p;
@@ -199,7 +199,6 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
     Counted counted;
     if (length > 0) {
       d /= length;
-      const bool neighbours = d.dot(last_direction) > kNeighbourCosine;
       const bool left_out = geometry_->left_out(p, d);
       if (!left_out) {
         Ray ray{p, d, length, hit, (segments.flags[i] & tile::kStartsHere) != 0};
@@ -210,16 +209,18 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         counted = meet(ray, mask);
         if (statistics != nullptr) add_echo(ray, counted);
       }
-      if (last_was_leaf && !left_out && !counted.on_wood && neighbours) {
-        const Eigen::Vector3d to_hit = segments.exit[i - 1] - p;
+      const auto beside = left_out || counted.on_wood ? std::nullopt : neighbours.on_leaf_beside(d, segments.time_s[i]);
+      if (beside) {
+        const Eigen::Vector3d to_hit = segments.exit[*beside] - p;
         const double along = to_hit.dot(d), distance = (to_hit - along * d).norm();
         pairs_.add(distance, length - along, hit);
-        if (statistics != nullptr)
-          statistics->add_pair(segments.intensity[i - 1], segments.intensity[i], distance, length - along, hit);
+        if (statistics != nullptr) {
+          statistics->add_pair(segments.intensity[*beside], segments.intensity[i], distance, length - along, hit);
+          if (*beside + 1 == i && distance < kCloseM) statistics->add_previous_beside();
+        }
       }
     }
-    last_was_leaf = counted.hit;
-    last_direction = d;
+    neighbours.add(i, d, segments.time_s[i], counted.hit);
   }
 }
 

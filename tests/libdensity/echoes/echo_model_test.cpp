@@ -44,7 +44,8 @@ TEST(EchoModel, TheMeanEchoOfWideBeamsIsTheirShareOfAFullOne) {
 void add_close_pairs(EchoStatistics& statistics) {
   const auto strong = static_cast<std::uint16_t>(kFull);
   for (int i = 0; i < 6000; ++i)
-    statistics.add_pair(strong, strong, 0.012 + 0.005 * (i % 5), i % 4 == 0 ? 0.2 : 0, true);
+    statistics.add_pair(strong, strong, 0.012 + 0.005 * (i % 5), i % 4 == 0 ? 0.2 : 0, true),
+        statistics.add_previous_beside();
 }
 
 TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {

@@ -40,7 +40,7 @@ TEST(EchoStatistics, WeakerEchoesAreWhereTheMiddleOfTheBeamWentPast) {
   statistics.add_pair(100, 100, 0.012, 0.01, true);  // both on the leaf
   statistics.add_pair(100, 20, 0.012, 0.01, true);   // the second one half beside it: it goes on
   statistics.add_pair(20, 100, 0.012, 0.01, true);   // the first one is no leaf
-  const LeafSizePairs strong = statistics.pairs_from(60), all = statistics.pairs_from(1);
+  const PairCounts strong = counts_of(statistics.pairs_from(60), 0.05), all = counts_of(statistics.pairs_from(1), 0.05);
   EXPECT_EQ(strong.near[2], 2u);
   EXPECT_EQ(strong.same[2], 1u);
   EXPECT_EQ(all.near[2], 3u);

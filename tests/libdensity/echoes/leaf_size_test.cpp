@@ -16,8 +16,8 @@ namespace {
 using testing::Hedge;
 using testing::HedgeOptions;
 
-LeafSizePairs pairs_of(const Hedge& hedge) {
-  const auto rays = hedge.scan({});
+LeafSizePairs pairs_of(const Hedge& hedge, double range_noise_m = 0.012) {
+  const auto rays = hedge.scan({.range_noise_m = range_noise_m});
   LeafSizePairs out;
   VoxelOptions count_all;
   count_all.sure_return_m = 0;  // no ray of these scans is missing
@@ -63,10 +63,10 @@ TEST(LeafSize, BeamsAloneGiveThePairsOfAFullCount) {
   const TileVoxels counted = std::move(*full).finish(), alone = std::move(beams).finish();
   std::uint64_t pairs = 0, difference = 0;
   for (std::size_t i = 0; i < LeafSizePairs::kBins; ++i) {
-    pairs += counted.pairs.near[i];
-    for (const auto part :
-         {&LeafSizePairs::near, &LeafSizePairs::front, &LeafSizePairs::same, &LeafSizePairs::behind}) {
-      const std::uint64_t a = (counted.pairs.*part)[i], b = (alone.pairs.*part)[i];
+    const PairCounts whole = counts_of(counted.pairs, 0.05), of_beams = counts_of(alone.pairs, 0.05);
+    pairs += whole.near[i];
+    for (const auto part : {&PairCounts::near, &PairCounts::front, &PairCounts::same, &PairCounts::behind}) {
+      const std::uint64_t a = (whole.*part)[i], b = (of_beams.*part)[i];
       difference += a > b ? a - b : b - a;
     }
   }
@@ -77,7 +77,7 @@ TEST(LeafSize, BeamsAloneGiveThePairsOfAFullCount) {
 }
 
 TEST(LeafSize, TooFewPairsGiveTheDefaultAndSaySo) {
-  const LeafSize size = estimate_leaf_size({});
+  const LeafSize size = estimate_leaf_size(LeafSizePairs{});
   EXPECT_FALSE(size.measured);
   EXPECT_EQ(size.area_m2, LeafSize::kDefaultAreaM2);
 }
@@ -87,12 +87,12 @@ TEST(LeafSize, ParallelRaysShareALeafLessTheFurtherApartTheyAre) {
   const double l = 0.08;
   double last = 1;
   for (const double r : {0.005, 0.01, 0.02, 0.04, 0.08}) {
-    const double p = same_leaf_probability(r, l, 0.001);
+    const double p = same_leaf_probability(r, l, {0.05, 0.001});
     EXPECT_LT(p, last);
     EXPECT_LT(p, 1 - 4 * r / (3.14159265 * l) + r * r / (3.14159265 * l * l) + 0.01);
     last = p;
   }
-  EXPECT_GT(same_leaf_probability(0.001, l, 0.001), 0.95);
+  EXPECT_GT(same_leaf_probability(0.001, l, {0.05, 0.001}), 0.95);
 }
 
 TEST(LeafSize, PairsAreSortedByWhereTheNextRayEnds) {
@@ -105,10 +105,28 @@ TEST(LeafSize, PairsAreSortedByWhereTheNextRayEnds) {
   pairs.add(0.012, 5.0, false);   // went on
   pairs.add(0.012, 0.05, false);  // cut off: nothing is known
   pairs.add(0.20, 0.0, true);     // too far apart
-  EXPECT_EQ(pairs.near[2], 5u);
-  EXPECT_EQ(pairs.front[2], 1u);
-  EXPECT_EQ(pairs.same[2], 1u);
-  EXPECT_EQ(pairs.behind[2], 1u);
+  const PairCounts narrow = counts_of(pairs, 0.05);
+  EXPECT_EQ(narrow.near[2], 5u);
+  EXPECT_EQ(narrow.front[2], 1u);
+  EXPECT_EQ(narrow.same[2], 1u);
+  EXPECT_EQ(narrow.behind[2], 1u);
+  const PairCounts wide = counts_of(pairs, 0.10);
+  EXPECT_EQ(wide.near[2], 6u);  // it ends 20 cm in front, where wide windows begin
+  EXPECT_EQ(wide.front[2], 1u);
+  EXPECT_EQ(wide.same[2], 3u);
+  EXPECT_EQ(wide.behind[2], 0u);
+}
+
+TEST(LeafSize, NoiseOfRangesIsFoundAndMakesLeavesNoSmaller) {
+  HedgeOptions options;
+  options.leaf_size_m2 = 0.0100, options.leaf_area_per_m = 3;
+  const Hedge hedge(options);
+  for (const double noise_m : {0.012, 0.02, 0.025}) {
+    const LeafSizePairs pairs = pairs_of(hedge, noise_m);
+    EXPECT_NEAR(range_noise_of(pairs), noise_m, 0.003);
+    EXPECT_NEAR(estimate_leaf_size(pairs).area_m2, 0.0100, 0.002) << noise_m;
+  }
+  EXPECT_EQ(range_noise_of({}), 0) << "no pairs";
 }
 
 /// A square leaf through a random point of the voxel [0, v)³, and one of the lines that cross the voxel: how often a

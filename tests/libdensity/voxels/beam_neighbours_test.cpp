@@ -1,0 +1,44 @@
+#include "libdensity/voxels/beam_neighbours.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace rayfield::density {
+namespace {
+
+Eigen::Vector3d direction(double azimuth_deg, double elevation_deg) {
+  const double a = azimuth_deg * std::numbers::pi / 180, e = elevation_deg * std::numbers::pi / 180;
+  return {std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)};
+}
+
+TEST(BeamNeighbours, OfOneBeamThePreviousRayIsBesideAndNoOtherOne) {
+  BeamNeighbours rays;
+  EXPECT_FALSE(rays.on_leaf_beside(direction(10, 0), 100.0).has_value());
+  rays.add(0, direction(10, 0), 100.0, true);
+  EXPECT_EQ(rays.on_leaf_beside(direction(10.7, 0), 100.0), 0u);
+  rays.add(1, direction(10.7, 0), 100.0, false);
+  EXPECT_FALSE(rays.on_leaf_beside(direction(10.0, 0), 100.0).has_value()) << "the one before it is nearer, but past";
+  rays.add(2, direction(11.4, 0), 100.0, true);
+  EXPECT_FALSE(rays.on_leaf_beside(direction(30, 0), 100.0).has_value());
+}
+
+TEST(BeamNeighbours, OfSeveralBeamsTheSameBeamsLastRayIsBesideWhateverItMet) {
+  BeamNeighbours rays;
+  constexpr int kBeams = 16;
+  for (int turn = 0; turn < 3; ++turn)
+    for (int beam = 0; beam < kBeams; ++beam) {
+      const std::size_t number = static_cast<std::size_t>(turn * kBeams + beam);
+      const Eigen::Vector3d to = direction(0.4 * turn, 2 * beam - 15);
+      const auto beside = rays.on_leaf_beside(to, 100 + 1e-4 * turn);
+      // Beam 3 meets a leaf on the first turn only, beam 5 on all.
+      if (beam == 5 && turn > 0) EXPECT_EQ(beside, number - kBeams);
+      if (beam == 3) EXPECT_EQ(beside.has_value(), turn == 1) << "two turns ago it did, but not the last time";
+      rays.add(number, to, 100 + 1e-4 * turn, beam == 5 || (beam == 3 && turn == 0));
+    }
+  EXPECT_FALSE(rays.on_leaf_beside(direction(1.2, -5), 100.1).has_value()) << "long ago";
+}
+
+}  // namespace
+}  // namespace rayfield::density
