@@ -64,17 +64,17 @@ struct SameLeaf {
 };
 
 SameLeaf same_leaf(double r, double side_m, const PairWindows& windows) {
-  static const std::vector<PlaneSample> samples = plane_samples();
+  static const std::vector<PlaneSample> kPlaneSamples = plane_samples();
   SameLeaf out;
-  for (const PlaneSample& p : samples) {
+  for (const PlaneSample& p : kPlaneSamples) {
     const double difference = std::abs(r * p.along + windows.range_noise_m * p.noise);
     if (difference >= 2 * windows.window_m) continue;
     // The first ray hits anywhere on the square: share of places from which the offset stays on it.
     const double share = std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
     (difference < windows.window_m ? out.centre : out.side) += share;
   }
-  out.centre /= static_cast<double>(samples.size());
-  out.side /= 2 * static_cast<double>(samples.size());
+  out.centre /= static_cast<double>(kPlaneSamples.size());
+  out.side /= 2 * static_cast<double>(kPlaneSamples.size());
   return out;
 }
 

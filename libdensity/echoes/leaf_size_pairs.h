@@ -14,7 +14,7 @@ struct LeafSizePairs {
   static constexpr int kBins = 16;
   static constexpr double kStepM = 0.005;
   static constexpr int kDepths = 40;
-  static constexpr double kDepthStepM = 0.01, kReachM = kDepths / 2 * kDepthStepM;
+  static constexpr double kDepthStepM = 0.01, kReachM = kDepths * kDepthStepM / 2;
   using Depths = std::array<std::uint64_t, kDepths>;
   /// [r][Δ]: of all rays, and in `beyond` those that go on.
   std::array<Depths, kBins> rays{};
