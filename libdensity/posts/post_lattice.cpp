@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "rayfield/core/median.h"
 
@@ -55,21 +56,26 @@ std::optional<std::size_t> find_near(const std::vector<PlacedStem>& stems, doubl
   return best;
 }
 
-bool on_lattice(const PlacedStem& stem, const PlacedStem& anchor, double spacing_m) {
-  const double along = (stem.chainage_m - anchor.chainage_m) / spacing_m;
-  return std::abs(along - std::round(along)) <= kTolerance;
-}
-
-// The sure posts that stand at multiples of the spacing from the one that explains most, itself with them.
+// The sure posts that stand at multiples of the spacing from the one that explains most, itself with them: at each
+// place the nearest, since a post and the vine beside it are one.
 std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
                                          double spacing_m) {
   std::vector<std::size_t> most;
   for (std::size_t a : sure) {
-    std::vector<std::size_t> on;
-    std::copy_if(sure.begin(), sure.end(), std::back_inserter(on),
-                 [&](std::size_t i) { return on_lattice(stems[i], stems[a], spacing_m); });
-    if (on.size() > most.size()) most = std::move(on);
+    std::map<long, std::pair<double, std::size_t>> nearest;  // by place: how far off, and the stem
+    for (std::size_t i : sure) {
+      const double along = (stems[i].chainage_m - stems[a].chainage_m) / spacing_m;
+      const long place = std::lround(along);
+      const double off = std::abs(along - static_cast<double>(place));
+      if (off > kTolerance) continue;
+      const auto [it, is_new] = nearest.try_emplace(place, off, i);
+      if (!is_new && off < it->second.first) it->second = {off, i};
+    }
+    if (nearest.size() <= most.size()) continue;
+    most.clear();
+    for (const auto& [place, stem] : nearest) most.push_back(stem.second);
   }
+  std::sort(most.begin(), most.end());
   return most;
 }
 

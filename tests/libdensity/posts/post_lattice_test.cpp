@@ -74,6 +74,16 @@ TEST(PostLattice, PostsOfWhichManyAreNotSeenKeepTheirSpacing) {
   EXPECT_NEAR(rows.spacing().spacing_m, 4, 1e-9);
 }
 
+// Between two vines 1.4 m apart stands a post, and the vine nearest to it seems to stand between two as well: a post
+// and that vine are one place of the spacing. Counted twice, what stands at 8 m outweighed what 4 m add.
+TEST(PostLattice, AVineBesideAPostIsNotASecondOne) {
+  Rows rows;
+  rows.add({0.27, 4.27, 8.06, 8.27, 12.27, 16.26, 16.49, 20.27, 24.27}, {12.27, 20.27});
+  rows.add({0.08, 4.08, 7.83, 8.08, 16.08, 16.3, 20.07, 24.07}, {20.07});
+  rows.add({0.12, 4.12, 7.88, 8.12, 16.12, 16.39, 20.12, 24.11}, {4.12, 20.12});
+  EXPECT_NEAR(rows.spacing().spacing_m, 4, 0.02);
+}
+
 TEST(PostLattice, WithoutTwoPostsInARowThereIsNone) {
   Rows rows;
   rows.add({3});
