@@ -2,6 +2,11 @@
 
 #include <cpl_string.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "formats/io/staged_output.h"
 #include "rayfield/core/date.h"
 
@@ -47,6 +52,20 @@ Result<void> finish_file(GdalSession& gdal, OGRSpatialReference& crs, const File
   return {};
 }
 
+/// Where what has just been written is not found any more, the disk did not read it, and GDAL takes the file for
+/// another one.
+Error read_back_failure(Error error) {
+  constexpr std::array<std::string_view, 3> kSigns = {"not recognized as a supported file format",
+                                                      "required GeoPackage tables", "already exists"};
+  const bool lost = std::any_of(kSigns.begin(), kSigns.end(),
+                                [&](std::string_view sign) { return error.why.find(sign) != std::string::npos; });
+  if (error.code != ErrorCode::internal || !lost) return error;
+  error.code = ErrorCode::resources;
+  error.why = "what was just written cannot be read back (" + error.why + ")";
+  error.next = "check the disk";
+  return error;
+}
+
 }  // namespace
 
 std::string time_of_change(std::span<const ScanProduct> scans) {
@@ -64,9 +83,10 @@ Result<void> write_file(const FileContent& content, const std::string& path) {
   RAYFIELD_ASSIGN(OGRSpatialReference crs, parse_crs(content.crs, kWhat, path));
   RAYFIELD_ASSIGN(const StagedOutput staged, StagedOutput::create(path, kWhat));
   const std::string file = staged.path("block.gpkg");
-  RAYFIELD_CHECK(fill_new_file(gdal, crs, content, file, path));
-  RAYFIELD_CHECK(finish_file(gdal, crs, content, file, path));
-  RAYFIELD_CHECK(content.check(gdal, file));
+  Result<void> written = fill_new_file(gdal, crs, content, file, path);
+  if (written) written = finish_file(gdal, crs, content, file, path);
+  if (written) written = content.check(gdal, file);
+  if (!written) return tl::unexpected(read_back_failure(std::move(written).error()));
   return staged.publish("block.gpkg");
 }
 
