@@ -18,12 +18,13 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kSamples = 20000;               // standard error of the two averages below about 0.5 %
 constexpr std::uint64_t kEnoughPairs = 2000;  // standard error of the share of same-leaf pairs about 1 %
 constexpr double kNearestM = 0.01;            // nearer both beams are the same surface whatever its size
-constexpr double kCloseM = 0.04;
-constexpr double kNoiseSideM = 0.08;     // of leaves: matters little for how ranges scatter
-constexpr double kUsualNoiseM = 0.0175;  // up to here the usual windows are right
+constexpr double kNoiseSideM = 0.08;          // of leaves: matters little for how ranges scatter
+constexpr double kUsualNoiseM = 0.0175;       // up to here the usual windows are right
 constexpr double kWindowNoises = 4, kWidestWindowM = 0.1;
-constexpr double kEnough = 1000;                              // pairs, for the noise,
-constexpr std::size_t kFirstNoiseBin = 2, kLastNoiseBin = 8;  // from 1 cm apart up to 4
+constexpr double kEnough = 1000;  // pairs, for the noise:
+constexpr auto kFirstNoiseBin = static_cast<std::size_t>(kNearestM / LeafSizePairs::kStepM);
+constexpr auto kLastNoiseBin = static_cast<std::size_t>(LeafSizePairs::kCloseM / LeafSizePairs::kStepM);
+constexpr double kCoreM = 0.02, kAllOfLeafM = 0.10;  // |Δ| of most pairs of one leaf, and of all
 constexpr double kLeastNoiseM = 0.001, kMostNoiseM = 0.08;
 constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
 
@@ -78,10 +79,12 @@ SameLeaf same_leaf(double r, double side_m, const PairWindows& windows) {
   return out;
 }
 
-/// Number of rays that end in a range of depths.
-double ended(const LeafSizePairs::Depths& ends, std::size_t first, std::size_t last) {
+/// Number of rays that end with |Δ| up to a distance.
+double ended_within(const LeafSizePairs::Depths& ends, double delta_m) {
+  constexpr std::size_t kMiddle = LeafSizePairs::kDepths / 2;
+  const auto steps = static_cast<std::size_t>(std::lround(delta_m / LeafSizePairs::kDepthStepM));
   double sum = 0;
-  for (std::size_t i = first; i < last; ++i) sum += static_cast<double>(ends[i]);
+  for (std::size_t i = kMiddle - steps; i < kMiddle + steps; ++i) sum += static_cast<double>(ends[i]);
   return sum;
 }
 
@@ -133,17 +136,19 @@ double range_noise_of(const LeafSizePairs& pairs) {
   double near = 0, all = 0;
   for (std::size_t bin = kFirstNoiseBin; bin < kLastNoiseBin && !(all > kEnough); ++bin) {
     for (std::size_t i = 0; i < ends.size(); ++i) ends[i] += pairs.ends[bin][i];
-    const double background = (ended(ends, 0, 10) + ended(ends, 30, 40)) / 20;
-    near = ended(ends, 18, 22) - 4 * background, all = ended(ends, 10, 30) - 20 * background;
+    const double of_leaf = ended_within(ends, kAllOfLeafM);
+    const double others_per_m =
+        (ended_within(ends, LeafSizePairs::kReachM) - of_leaf) / (LeafSizePairs::kReachM - kAllOfLeafM);
+    near = ended_within(ends, kCoreM) - others_per_m * kCoreM, all = of_leaf - others_per_m * kAllOfLeafM;
     distances.emplace_back((static_cast<double>(bin) + 0.5) * LeafSizePairs::kStepM,
-                           ended(pairs.ends[bin], 0, ends.size()));
+                           ended_within(pairs.ends[bin], LeafSizePairs::kReachM));
   }
   if (!(all > kEnough)) return 0;
   const auto share_within = [&](double noise_m) {
     double within = 0, of = 0;
     for (const auto& [distance_m, weight] : distances) {
-      within += weight * same_leaf(distance_m, kNoiseSideM, {0.02, noise_m}).centre;
-      of += weight * same_leaf(distance_m, kNoiseSideM, {0.10, noise_m}).centre;
+      within += weight * same_leaf(distance_m, kNoiseSideM, {kCoreM, noise_m}).centre;
+      of += weight * same_leaf(distance_m, kNoiseSideM, {kAllOfLeafM, noise_m}).centre;
     }
     return within / of;
   };
@@ -166,7 +171,7 @@ LeafSize estimate_leaf_size(const PairCounts& counts, const PairWindows& windows
   LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
   // lidars with coarse steps.
-  std::vector<Observed> observed = observe(counts, kNearestM, kCloseM);
+  std::vector<Observed> observed = observe(counts, kNearestM, LeafSizePairs::kCloseM);
   if (total_weight(observed) < kEnoughPairs) observed = observe(counts, kNearestM, 0.08);
   out.pairs = static_cast<std::uint64_t>(total_weight(observed));
   if (out.pairs < kEnoughPairs) return out;

@@ -13,6 +13,7 @@ namespace rayfield::density {
 struct LeafSizePairs {
   static constexpr int kBins = 16;
   static constexpr double kStepM = 0.005;
+  static constexpr double kCloseM = 0.04;  ///< up to here most pairs are of one leaf
   static constexpr int kDepths = 40;
   static constexpr double kDepthStepM = 0.01, kReachM = kDepths * kDepthStepM / 2;
   using Depths = std::array<std::uint64_t, kDepths>;

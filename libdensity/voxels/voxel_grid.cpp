@@ -18,8 +18,6 @@ namespace {
 
 /// Wood meets a ray in few places; further ones (a ray along a line of posts) are merged into the last.
 constexpr std::size_t kMaxGaps = 6;
-/// Of a ray from the hit beside it, for EchoStatistics::previous_beside().
-constexpr double kCloseM = 0.04;
 
 struct Piece {
   double from, to;
@@ -216,7 +214,7 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         pairs_.add(distance, length - along, hit);
         if (statistics != nullptr) {
           statistics->add_pair(segments.intensity[*beside], segments.intensity[i], distance, length - along, hit);
-          if (*beside + 1 == i && distance < kCloseM) statistics->add_previous_beside();
+          if (*beside + 1 == i && distance < LeafSizePairs::kCloseM) statistics->add_previous_beside();
         }
       }
     }
