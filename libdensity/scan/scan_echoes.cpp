@@ -16,17 +16,19 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kTypicalRangeM = 2;     // from a lane to the row beside it
-constexpr double kThinM = 0.003;         // diameter there
-constexpr double kCountedErrorPerM = 8;  // relative error by the diameter there, where echoes are counted as hits
-constexpr double kMostEchoes = 800000;   // of a tile, from there on a share of its plan is looked at for full ones
-constexpr double kModelError = 0.07;     // and where they are weighed
+constexpr double kTypicalRangeM = 2;  // from a lane to the row beside it
+constexpr double kThinM = 0.003;      // diameter there
+// Relative error where echoes are counted as hits, by the diameter there: canes are a few millimetres thick.
+constexpr double kCountedErrorPerM = 20, kMostCountedError = 0.4;
+constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
+constexpr double kModelError = 0.055;   // and where they are weighed
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
-  return model ? std::hypot(kModelError, model->full_echo_error) : std::min(1.0, kCountedErrorPerM * diameter_of(scan));
+  if (model) return std::hypot(kModelError, model->full_echo_error);
+  return std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan));
 }
 
 // One tile. Sums of integers, so that the order of the rays does not matter.

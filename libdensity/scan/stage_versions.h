@@ -15,11 +15,11 @@ inline constexpr int kVoxelSizeVersion = 4;
 inline constexpr int kEchoesVersion = 5;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 3;
-inline constexpr int kResultsVersion = 9;
+inline constexpr int kResultsVersion = 10;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 7;
-inline constexpr int kLeafByEstimateVersion = 4;
+inline constexpr int kLeafVersion = 8;
+inline constexpr int kLeafByEstimateVersion = 5;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,      kProfileVersion,
