@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libtile/files/store_layout.h"
+#include "libtile/files/whole_number.h"
 #include "rayfield/core/date.h"
 
 namespace rayfield::tile {
@@ -75,7 +76,7 @@ ScanAlignment parse_alignment(const Json& json) {
   alignment.verdict = known->first;
   for (int i = 0; i < 3; ++i) alignment.offset_m[i] = json.at("offset_m").at(i).get<double>();
   for (int i = 0; i < 2; ++i) alignment.pivot_m[i] = json.at("pivot_m").at(i).get<double>();
-  alignment.landmarks = json.value("landmarks", 0);
+  if (json.contains("landmarks")) alignment.landmarks = whole_number<int>(json.at("landmarks"));
   for (const auto& [key, member] : kAlignmentNumbers)
     alignment.*member = json.value(key, std::numeric_limits<double>::quiet_NaN());
   return alignment;
@@ -123,7 +124,7 @@ Json scan_json(const ScanEntry& scan) {
 }
 
 FileEntry parse_file(const Json& json) {
-  FileEntry file{json.at("path").get<std::string>(), json.at("size").get<std::uint64_t>(),
+  FileEntry file{json.at("path").get<std::string>(), whole_number<std::uint64_t>(json.at("size")),
                  json.at("sha256").get<std::string>()};
   if (!layout::is_inside(file.path)) throw std::runtime_error("path '" + file.path + "' leads out of the store");
   return file;
@@ -140,10 +141,10 @@ Eigen::AlignedBox3d parse_box(const Json& json) {
 
 TileEntry parse_tile(const Json& json) {
   TileEntry tile;
-  tile.index = {json.at("tile").at(0).get<std::int32_t>(), json.at("tile").at(1).get<std::int32_t>()};
-  tile.segment_count = json.at("segments").get<std::uint64_t>();
-  tile.start_count = json.at("starts").get<std::uint64_t>();
-  tile.hit_count = json.at("hits").get<std::uint64_t>();
+  tile.index = {whole_number<std::int32_t>(json.at("tile").at(0)), whole_number<std::int32_t>(json.at("tile").at(1))};
+  tile.segment_count = whole_number<std::uint64_t>(json.at("segments"));
+  tile.start_count = whole_number<std::uint64_t>(json.at("starts"));
+  tile.hit_count = whole_number<std::uint64_t>(json.at("hits"));
   tile.bounds = parse_box(json.at("bounds"));
   const Json& files = json.at("files");
   tile.file = parse_file(files.at(0));
@@ -162,10 +163,10 @@ ScanEntry parse_scan(const Json& json) {
   scan.date = json.at("date").get<std::string>();
   scan.name = json.at("name").get<std::string>();
   for (const Json& i : json.at("inputs"))
-    scan.inputs.push_back(
-        {i.at("name").get<std::string>(), i.at("size").get<std::uint64_t>(), i.at("sha256").get<std::string>()});
-  scan.ray_count = json.at("rays").get<std::uint64_t>();
-  scan.hit_count = json.at("hits").get<std::uint64_t>();
+    scan.inputs.push_back({i.at("name").get<std::string>(), whole_number<std::uint64_t>(i.at("size")),
+                           i.at("sha256").get<std::string>()});
+  scan.ray_count = whole_number<std::uint64_t>(json.at("rays"));
+  scan.hit_count = whole_number<std::uint64_t>(json.at("hits"));
   scan.start_time_s = json.at("start_time_s").get<double>();
   scan.end_time_s = json.at("end_time_s").get<double>();
   scan.origin_bounds = parse_box(json.at("origin_bounds"));
@@ -208,9 +209,9 @@ Result<T> parse_document(const Json& json, const char* format, const std::string
   try {
     if (json.at("format") != format)
       return fail(ErrorCode::damaged, "cannot read the store", where, std::string("it is not a ") + format);
-    if (json.at("version").get<int>() > kVersion)
+    if (whole_number<int>(json.at("version")) > kVersion)
       return fail(ErrorCode::bad_input, "cannot read the store", where,
-                  "it was written in format " + std::to_string(json.at("version").get<int>()) +
+                  "it was written in format " + std::to_string(whole_number<int>(json.at("version"))) +
                       ", this rayfield knows format " + std::to_string(kVersion),
                   "use a newer rayfield");
     return parse();
@@ -244,14 +245,14 @@ Json to_json(const Snapshot& snapshot) {
 Result<Snapshot> snapshot_from_json(const Json& json, const std::string& where) {
   return parse_document<Snapshot>(json, kSnapshotFormat, where, [&] {
     Snapshot snapshot;
-    snapshot.number = json.at("number").get<std::uint64_t>();
-    snapshot.parent = json.at("parent").get<std::uint64_t>();
+    snapshot.number = whole_number<std::uint64_t>(json.at("number"));
+    snapshot.parent = whole_number<std::uint64_t>(json.at("parent"));
     snapshot.created_utc = json.at("created_utc").get<std::string>();
     snapshot.software_version = json.at("software_version").get<std::string>();
     snapshot.command = json.at("command").get<std::string>();
     if (json.contains("lost"))
       for (const Json& range : json.at("lost"))
-        snapshot.lost.push_back({range.at(0).get<std::uint64_t>(), range.at(1).get<std::uint64_t>()});
+        snapshot.lost.push_back({whole_number<std::uint64_t>(range.at(0)), whole_number<std::uint64_t>(range.at(1))});
     for (const Json& scan : json.at("scans")) snapshot.scans.push_back(parse_scan(scan));
     for (const Json& derived : json.at("registry")) snapshot.registry.push_back(parse_derived(derived));
     check_names(snapshot);

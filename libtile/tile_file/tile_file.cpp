@@ -1,8 +1,10 @@
 #include "libtile/tile_file/tile_file.h"
 
 #include <algorithm>
+#include <exception>
 #include <nlohmann/json.hpp>
 
+#include "libtile/files/whole_number.h"
 #include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_write.h"
 
@@ -38,12 +40,13 @@ Result<TilePartHeader> parse_header(const std::string& text, const std::filesyst
     if (json.at("format") != kFormat) return damaged(path, "it is not a tile");
     if (json.at("version") != kVersion || json.at("units_per_metre") != static_cast<std::int64_t>(kUnitsPerMetre))
       return damaged(path, "it was written by a newer version of rayfield");
-    header.index = {json.at("tile").at(0).get<std::int32_t>(), json.at("tile").at(1).get<std::int32_t>()};
-    header.part = json.at("part").get<std::uint32_t>();
-    header.segments = json.at("segments").get<std::uint64_t>();
-    header.size = json.at("tile_size_units").get<std::int64_t>();
-    header.margin = json.at("tile_margin_units").get<std::int64_t>();
-  } catch (const nlohmann::json::exception& e) {
+    header.index = {whole_number<std::int32_t>(json.at("tile").at(0)),
+                    whole_number<std::int32_t>(json.at("tile").at(1))};
+    header.part = whole_number<std::uint32_t>(json.at("part"));
+    header.segments = whole_number<std::uint64_t>(json.at("segments"));
+    header.size = whole_number<std::int64_t>(json.at("tile_size_units"));
+    header.margin = whole_number<std::int64_t>(json.at("tile_margin_units"));
+  } catch (const std::exception& e) {
     return damaged(path, std::string("its attributes are not what they should be: ") + e.what());
   }
   return header;

@@ -100,6 +100,24 @@ TEST(SnapshotJson, ASnapshotOfANewerFormatAsksForANewerProgram) {
   EXPECT_NE(back.error().line().find("newer rayfield"), std::string::npos) << back.error().line();
 }
 
+// Whatever they are converted to is undefined in C++ (found by fuzzing).
+TEST(SnapshotJson, NumbersThatDoNotFitAreRefused) {
+  const auto code_with = [](const auto& set) {
+    auto json = to_json(sample_snapshot());
+    set(json["scans"][0]);
+    const auto back = snapshot_from_json(json, "x");
+    return back ? ErrorCode::internal : back.error().code;
+  };
+  for (const nlohmann::ordered_json& number : {nlohmann::ordered_json(6e92), nlohmann::ordered_json(-1),
+                                               nlohmann::ordered_json(1.5), nlohmann::ordered_json("3")}) {
+    EXPECT_EQ(code_with([&](auto& scan) { scan["rays"] = number; }), ErrorCode::damaged) << number;
+    EXPECT_EQ(code_with([&](auto& scan) { scan["tiles"][0]["files"][0]["size"] = number; }), ErrorCode::damaged)
+        << number;
+  }
+  EXPECT_EQ(code_with([](auto& scan) { scan["tiles"][0]["tile"][0] = 3000000000; }), ErrorCode::damaged);
+  EXPECT_EQ(code_with([](auto& scan) { scan["tiles"][0]["tile"][0] = -3000000000; }), ErrorCode::damaged);
+}
+
 TEST(SnapshotJson, PathsThatLeadOutOfTheStoreAreRefused) {
   for (const char* path : {"/etc/passwd", "../other/tile.h5", "scans/../../x", ""}) {
     Snapshot snapshot = sample_snapshot();
