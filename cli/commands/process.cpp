@@ -216,8 +216,8 @@ void add_process_command(Commands& commands) {
       ->check(valid("estimator.leaf_size_m2"));
   command
       ->add_option("--leaf-angles", arguments->leaf_angles,
-                   "Leaf angle distribution: spherical (the default), uniform, planophile, erectophile, plagiophile, "
-                   "extremophile, ellipsoidal")
+                   "Leaf angle distribution: measured from each scan (the default), spherical, uniform, planophile, "
+                   "erectophile, plagiophile, extremophile, ellipsoidal")
       ->check(valid("voxels.leaf_angles.type"));
   command
       ->add_option("--ellipsoid-ratio", arguments->ellipsoid_ratio,

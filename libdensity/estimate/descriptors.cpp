@@ -85,9 +85,9 @@ Meetings meetings(double contacts, double leaf_share) {
 
 }  // namespace
 
-DescriptorSettings descriptor_settings(const ProcessOptions& options) {
+DescriptorSettings descriptor_settings(const ProcessOptions& options, const LeafAngles& leaf_angles) {
   return {options.descriptors, options.integration.height_share, options.integration.width_share,
-          options.integration.metre_step_m, leaf_projection(options.voxels.leaf_angles, 0)};
+          options.integration.metre_step_m, leaf_projection(leaf_angles, 0)};
 }
 
 std::vector<StretchOutline> canopy_outline(const RowDensity& row, double row_length_m,

@@ -20,7 +20,7 @@ struct DescriptorSettings {
   double metre_step_m = 0.5;
   double projection = 0.5;  ///< of the leaves' area on a plane along the row
 };
-DescriptorSettings descriptor_settings(const ProcessOptions& options);
+DescriptorSettings descriptor_settings(const ProcessOptions& options, const LeafAngles& leaf_angles);
 
 /// Half a metre of row seen from the side. Heights are above the ground.
 struct StretchOutline {

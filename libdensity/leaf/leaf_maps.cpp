@@ -64,14 +64,13 @@ Result<std::vector<PanelValue>> values_of(std::span<const PanelValue> values, st
 
 // Half metres of a row and what its lines meet.
 Result<void> complete_row(const Row& row, std::span<const Panel> panels, const ScanResults& results,
-                          const ProcessOptions& options, RowLeaves& out) {
+                          const DescriptorSettings& settings, RowLeaves& out) {
   for (const RowMetreProduct& metre : results.row_metres)
     if (metre.row_number == row.number) out.metres.push_back(metre);
   const double length_m = row.length_m();
-  const std::vector<double> areas = leaf_of_metres(*out.leaf, length_m, options.integration.metre_step_m);
+  const std::vector<double> areas = leaf_of_metres(*out.leaf, length_m, settings.metre_step_m);
   if (areas.size() != out.metres.size()) return not_of_this_layout(row.number);
-  describe_leaves(*out.leaf, panels, length_m, outline_of(results.row_metres, row.number), descriptor_settings(options),
-                  out);
+  describe_leaves(*out.leaf, panels, length_m, outline_of(results.row_metres, row.number), settings, out);
   for (std::size_t k = 0; k < areas.size(); ++k) {
     out.metres[k].leaf_area_per_m = areas[k];
     if (std::isnan(areas[k])) forget_leaves(out.metres[k].descriptors);
@@ -108,7 +107,7 @@ Result<LeafMaps> make_leaf_maps(ScanWork& work, std::span<const Row* const> rows
     const std::vector<Panel> panels = panels_of(layout, rows[i]->number);
     RAYFIELD_ASSIGN(done[i].panels, values_of(results.panel_values, panels, rows[i]->number));
     RAYFIELD_ASSIGN(done[i].leaf, leaves_of(*rows[i], panels, done[i].panels));
-    return complete_row(*rows[i], panels, results, work.options, done[i]);
+    return complete_row(*rows[i], panels, results, descriptor_settings(work.options, work.voxels.leaf_angles), done[i]);
   };
   const auto take = [&](std::size_t i) -> Result<void> {
     RowLeaves row = std::exchange(done[i], {});

@@ -133,7 +133,7 @@ Result<LeafMaps> take_out_of_rows(ScanWork& work, const RowLayout& layout, const
 // What leaf areas depend on beside the wood.
 void add_plants(const ScanWork& work, const ScanVoxels& voxels, KeyBuilder& key) {
   key.add(work.layout_key).add(work.files.sha256("results", "block"));
-  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
+  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   key.add(option_numbers(work.options.estimator)).add(option_numbers(work.options.plan));
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
   if (voxels.echoes) key.add(model_numbers(voxels.echoes));
@@ -144,7 +144,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   KeyBuilder key("leaf", kLeafVersion);
   key.add(wood.scan.scan_id).add(content_of(wood.scan)).add(work.layout_key);
   key.add(work.files.sha256("results", "block"));
-  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
+  key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
   key.add(option_numbers(work.options.voxel_fit));
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))

@@ -8,6 +8,7 @@
 #include "libdensity/echoes/echo_model.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/scan/scan_work.h"
+#include "libdensity/voxels/leaf_angle_fit.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/products.h"
@@ -21,6 +22,7 @@ struct ScanVoxels {
   std::vector<WoodCylinder> wood;        ///< masked posts and trunks
   std::vector<tile::TileIndex> tiles;    ///< with counters
   std::optional<EchoModel> echoes = {};  ///< of beams that are not thin; then the counters have EchoCounters
+  LeafAngleFit leaf_angles = {};         ///< what was measured of them
 };
 
 /// The dormant scan whose wood is subtracted.

@@ -16,6 +16,7 @@
 #include "libdensity/pipeline/scan_products.h"
 #include "libdensity/scan/estimation.h"
 #include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_leaf_angles.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
 #include "libdensity/scan/scan_voxels.h"
@@ -56,6 +57,7 @@ Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   RAYFIELD_ASSIGN(const auto processed, find_processed(scan.work, *key));
   if (!processed) return false;
   RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
+  RAYFIELD_ASSIGN(scan.voxels.leaf_angles, read_leaf_angles(scan.work.store, entry));
   scan.layout = registry.layout_for(entry);
   scan.processed = *processed;
   report_plants(scan);
@@ -83,6 +85,10 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.survey, work.options.beam);
   RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
   if (!scan.voxels.echoes) view = nullptr;
+  RAYFIELD_ASSIGN(scan.voxels.leaf_angles, measure_leaf_angles(work, layout, surveyed.ground, profile, scan.voxels.wood,
+                                                               view, scan.voxels.echoes));
+  if (work.voxels.leaf_angles.type == LeafAngleType::measured)
+    work.voxels.leaf_angles = scan.voxels.leaf_angles.angles();
   RAYFIELD_ASSIGN(const double voxel_m,
                   choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood, scan.voxels.echoes));
   RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segments(work, layout, surveyed.ground, profile, voxel_m));
@@ -133,14 +139,23 @@ Result<void> process_leaves_by_estimate(ScanInWork& scan) {
   return {};
 }
 
+// The wood is seen as the leaves are, so that what is alike in both cancels.
+VoxelOptions voxels_for_wood(const ScanInWork& scan) {
+  VoxelOptions voxels = scan.work.options.voxels;
+  if (voxels.leaf_angles.type == LeafAngleType::measured) voxels.leaf_angles = scan.voxels.leaf_angles.angles();
+  return voxels;
+}
+
 // Its leaves; what is noteworthy about them goes into the report.
 Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string& scan_id = scan.work.scan.scan_id;
   std::vector<std::string>& notes = scan.report.notes;
   if (const std::string note = beam_note(scan.work.scan, scan.voxels.echoes); !note.empty()) notes.push_back(note);
+  if (const std::string note = leaf_angle_note(scan.work.scan, scan.voxels.leaf_angles); !note.empty())
+    notes.push_back(note);
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
-  const auto wood = seasons.wood_for(scan_id, scan.work.options.voxels);
+  const auto wood = seasons.wood_for(scan_id, voxels_for_wood(scan));
   if (!wood) return process_leaves_by_estimate(scan);
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)

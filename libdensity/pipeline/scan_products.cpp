@@ -99,7 +99,7 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
     if (counters.has_row(row.number)) rows.push_back(&row);
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
-  const DescriptorSettings settings = descriptor_settings(work.options);
+  const DescriptorSettings settings = descriptor_settings(work.options, work.voxels.leaf_angles);
   maps.results.scan.fruit_zone_low_m = settings.options.fruit_zone_low_m;
   maps.results.scan.fruit_zone_high_m = settings.options.fruit_zone_high_m;
   RAYFIELD_ASSIGN(const int workers, rows_in_hand(work, voxels.row_segments, voxels.echoes.has_value()));
@@ -164,7 +164,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
   builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
-  builder.add(option_numbers(work.options.descriptors)).add(option_numbers(work.options.voxels.leaf_angles));
+  builder.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   if (voxels.echoes) builder.add(model_numbers(voxels.echoes));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : voxels.tiles) builder.add(work.files.sha256("voxels", tile_name(index)));

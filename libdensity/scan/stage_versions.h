@@ -13,6 +13,7 @@ inline constexpr int kGeometryVersion = 3;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 4;
 inline constexpr int kEchoesVersion = 5;
+inline constexpr int kLeafAnglesVersion = 1;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 3;
 inline constexpr int kResultsVersion = 10;
@@ -22,9 +23,9 @@ inline constexpr int kLeafVersion = 8;
 inline constexpr int kLeafByEstimateVersion = 5;
 
 inline std::vector<double> stage_versions() {
-  return {kSurveyVersion,     kGroundVersion, kEvidenceVersion,    kGeometryVersion,      kProfileVersion,
-          kVoxelSizeVersion,  kEchoesVersion, kRowSegmentsVersion, kVoxelsVersion,        kResultsVersion,
-          kEstimationVersion, kTotalsVersion, kLeafVersion,        kLeafByEstimateVersion};
+  return {kSurveyVersion,    kGroundVersion,     kEvidenceVersion,   kGeometryVersion,    kProfileVersion,
+          kVoxelSizeVersion, kEchoesVersion,     kLeafAnglesVersion, kRowSegmentsVersion, kVoxelsVersion,
+          kResultsVersion,   kEstimationVersion, kTotalsVersion,     kLeafVersion,        kLeafByEstimateVersion};
 }
 
 }  // namespace rayfield::density

@@ -20,8 +20,9 @@ inline double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
 /// How the beams of a scan look at the voxels, where they are not thin.
 struct BeamView {
   LidarBeam beam;
-  double behind_m = 0;  ///< behind an echo, path of that part of the beam which is not in it (EchoCounters)
-  SensorTrack track;    ///< of the scan
+  double behind_m = 0;   ///< behind an echo, path of that part of the beam which is not in it (EchoCounters)
+  SensorTrack track;     ///< of the scan
+  double full_echo = 0;  ///< intensity of an echo that holds the whole beam, for DirectionCounters
 };
 
 }  // namespace rayfield::density

@@ -39,6 +39,7 @@ double azimuth_mean_projection(double zenith_rad, double inclination_rad) {
 double leaf_inclination_density(const LeafAngles& angles, double inclination_rad) {
   switch (angles.type) {
     case LeafAngleType::spherical:
+    case LeafAngleType::measured:
       return std::sin(inclination_rad);
     case LeafAngleType::uniform:
       return 2 / kPi;
@@ -57,7 +58,7 @@ double leaf_inclination_density(const LeafAngles& angles, double inclination_rad
 }
 
 double leaf_projection(const LeafAngles& angles, double cos_zenith) {
-  if (angles.type == LeafAngleType::spherical) return 0.5;
+  if (angles.type == LeafAngleType::spherical || angles.type == LeafAngleType::measured) return 0.5;
   const double zenith = std::acos(std::clamp(std::abs(cos_zenith), 0.0, 1.0));
   const bool ellipsoid = angles.type == LeafAngleType::ellipsoidal;
   const double norm = ellipsoid ? ellipsoid_norm(angles.ellipsoid_ratio) : 1.0;

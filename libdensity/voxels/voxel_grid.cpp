@@ -89,7 +89,8 @@ EchoCounters& EchoCounters::operator+=(const EchoCounters& other) {
 std::size_t counter_bytes(std::span<const RowSegmentVoxels> row_segments) {
   std::size_t bytes = 0;
   for (const RowSegmentVoxels& s : row_segments)
-    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.echoes.size() * sizeof(EchoCounters);
+    bytes += s.voxels.size() * sizeof(VoxelCounters) + s.echoes.size() * sizeof(EchoCounters) +
+             s.directions.size() * sizeof(DirectionCounters);
   return bytes;
 }
 
@@ -176,6 +177,10 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
   geometry->ground = TileGround::of(kept);
   return VoxelAccumulator(geometry);
+}
+
+void VoxelAccumulator::keep_directions() {
+  for (RowSegmentVoxels& sums : sums_) sums.directions.assign(sums.voxels.size(), {});
 }
 
 std::size_t VoxelAccumulator::bytes() const { return counter_bytes(sums_); }
@@ -323,7 +328,8 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
                      doubled_projection,
                      ray.hit && pieces[k].to == ray.length,
                      k == 0,
-                     ray.starts && pieces[k].from == 0};
+                     ray.starts && pieces[k].from == 0,
+                     ray.direction.z()};
   const std::span<const RayPiece> whole(ray_pieces.data(), piece_count);
   if (g.view) {
     counted.hit = count_wide(ray, whole, counted.on_wood);
@@ -352,13 +358,15 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
   std::sort(met_.begin(), met_.end(),
             [](const Met& a, const Met& b) { return a.from != b.from ? a.from < b.from : a.item < b.item; });
   WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+  const double passed = g.view->full_echo > 0 ? std::max(0.0, 1 - ray.intensity / g.view->full_echo) : 0;
   bool hit = false;
   for (const Met& met : met_) {
     RowSegmentVoxels& sums = sums_[met.item];
     for (const RayPiece& piece : pieces)
       if (traverse<true>(sums, met.g0, met.dg, piece, wide)) hit = true;
     if (end > ray.length)
-      add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false}, ray.intensity);
+      add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false, ray.direction.z()},
+                 ray.intensity, passed, wide.width_at_origin_m + wide.divergence_rad * ray.length);
     wide.depth_sides += (met.to - met.from) * doubled_projection / sums.row_segment.voxel_m;
   }
   return hit;
@@ -379,10 +387,11 @@ Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {
     RowSegmentVoxels& mine = sums_[s];
     const RowSegmentVoxels& theirs = other.sums_[s];
     if (!same_grid(mine.row_segment, theirs.row_segment) || mine.voxels.size() != theirs.voxels.size() ||
-        mine.echoes.size() != theirs.echoes.size())
+        mine.echoes.size() != theirs.echoes.size() || mine.directions.size() != theirs.directions.size())
       return fail(ErrorCode::internal, "cannot merge voxel counts", "tile", "different row segments");
     for (std::size_t i = 0; i < mine.voxels.size(); ++i) mine.voxels[i] += theirs.voxels[i];
     for (std::size_t i = 0; i < mine.echoes.size(); ++i) mine.echoes[i] += theirs.echoes[i];
+    for (std::size_t i = 0; i < mine.directions.size(); ++i) mine.directions[i] += theirs.directions[i];
     for (std::size_t i = 0; i < mine.entries.size(); ++i) mine.entries[i] += theirs.entries[i];
   }
   return {};

@@ -14,6 +14,7 @@
 #include "libdensity/echoes/leaf_size.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/beam_view.h"
+#include "libdensity/voxels/direction_counters.h"
 #include "libdensity/voxels/leaf_angle.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/result.h"
@@ -70,6 +71,7 @@ struct RowSegmentVoxels {
                                        ///< the ends of the row segment) or start there; each ray once
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
   std::vector<EchoCounters> echoes;    ///< likewise, empty for thin beams
+  std::vector<DirectionCounters> directions;  ///< likewise, empty unless VoxelAccumulator::keep_directions() asks
 
   /// The voxels of a column from the bottom up; an empty span if they belong to another tile.
   /// Echoes likewise.
@@ -117,6 +119,8 @@ class VoxelAccumulator {
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
   /// fitted to it. With a BeamView the strength of the echoes, too, and the echoes themselves of a share of the places.
   void add_pairs(const tile::SegmentBatch& segments);
+  /// From here on add() counts RowSegmentVoxels::directions, too.
+  void keep_directions();
   /// `share`: of the plan, whose echoes add_pairs() keeps for take_leaf_echoes().
   void keep_leaf_echoes(double share) { kept_share_ = share; }
   std::vector<LeafEcho> take_leaf_echoes() { return std::exchange(leaf_echoes_, {}); }

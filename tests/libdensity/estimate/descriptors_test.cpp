@@ -93,10 +93,11 @@ TEST(Descriptors, FlatLeavesShowLessOfThemselvesToALevelLine) {
 
 TEST(Descriptors, LeafAnglesOfTheVoxelsAreThoseOfTheLines) {
   ProcessOptions options;
-  EXPECT_EQ(descriptor_settings(options).projection, 0.5);
+  EXPECT_EQ(descriptor_settings(options, options.voxels.leaf_angles).projection, 0.5);
   options.voxels.leaf_angles.type = LeafAngleType::erectophile;
   // Upright leaves (α = 90°) show 2/π to a level line, level ones nothing: G = ∫ (2/π)(1 − cos 2α)·(2/π) sin α dα.
-  EXPECT_NEAR(descriptor_settings(options).projection, 4 / (M_PI * M_PI) * (1 + 1.0 / 3), 1e-3);
+  EXPECT_NEAR(descriptor_settings(options, options.voxels.leaf_angles).projection, 4 / (M_PI * M_PI) * (1 + 1.0 / 3),
+              1e-3);
 }
 
 TEST(Descriptors, WholeLeavesThatComeAndGoDoNotOpenTheCanopy) {

@@ -64,7 +64,7 @@ TEST(ProcessOptions, RefuseValuesThatDoNotFitTogether) {
 TEST(OptionNumbers, KeepTheOrderThatNamesStoredFiles) {
   EXPECT_EQ(option_numbers(RowOptions{}),
             (std::vector<double>{0.5, 6, 12, 3, 0.5, 2.6, 0.3, 6, 5, 0.5, 0.25, 0.3, 0.5, 12}));
-  EXPECT_EQ(option_numbers(VoxelOptions{}), (std::vector<double>{0, 1, 0.045, 30, 0.02}));
+  EXPECT_EQ(option_numbers(VoxelOptions{}), (std::vector<double>{7, 1, 0.045, 30, 0.02}));
   EXPECT_EQ(option_numbers(IntegrationOptions{}), (std::vector<double>{0.97, 0.96, 0.5, 0.025, 0.5}));
   EXPECT_EQ(option_numbers(RowSegmentOptions{}),
             (std::vector<double>{0.08, 38, 0.3, 0.02, 0.98, 0.97, 2, 0.24, 0.6, 4, 1.5}));

@@ -221,6 +221,36 @@ TEST(VoxelGrid, LeafAnglesTurnLengthsIntoSphericalEquivalents) {
               2 * 8 / (3 * 3.14159265358979), 2e-3);
 }
 
+TEST(VoxelGrid, DirectionsAddUpToTheCounters) {
+  const RowSegment s = make_row_segment();
+  tile::SegmentBatch rays;
+  push_ray(rays, testing::map_from_grid(s, {5.5, 4.5, 40}), testing::map_from_grid(s, {5.5, 4.5, 3.5}), true);
+  const Vector3d left = testing::map_from_grid(s, {5.5, -40, 3.5}), right = testing::map_from_grid(s, {5.5, 40, 3.5});
+  const Vector3d low = left.z() < right.z() ? left : right, high = left.z() < right.z() ? right : left;
+  const Vector3d across = (high - low).normalized();  // runs up, so that it is counted
+  push_ray(rays, low, high, false);
+  auto accumulator = VoxelAccumulator::create({testing::kBigTile, testing::kBigTileSize}, std::vector{s}, {}, {});
+  ASSERT_TRUE(accumulator.has_value());
+  accumulator->keep_directions();
+  VoxelAccumulator other = *accumulator;
+  ASSERT_TRUE(accumulator->add(rays) && other.add(rays) && accumulator->merge(other));
+  const TileVoxels voxels = std::move(*accumulator).finish();
+  const RowSegmentVoxels& segment = voxels.row_segments[0];
+  ASSERT_EQ(segment.directions.size(), segment.voxels.size());
+  for (std::size_t i = 0; i < segment.voxels.size(); ++i) {
+    std::int64_t path = 0, hits = 0;
+    for (std::size_t k = 0; k < DirectionCounters::kBins; ++k)
+      path += segment.directions[i].path[k], hits += segment.directions[i].hits[k];
+    EXPECT_NEAR(static_cast<double>(path) * DirectionCounters::kPathUnit, segment.voxels[i].path_sides(), 1e-3);
+    EXPECT_EQ(hits, segment.voxels[i].hits);
+  }
+  const std::size_t steep = DirectionCounters::bin_of(1, 0), level = DirectionCounters::bin_of(across.z(), 0);
+  const std::size_t at =
+      static_cast<std::size_t>(segment.column[s.shape().column(5, 4)]) * static_cast<std::size_t>(s.n_up) + 3;
+  EXPECT_EQ(segment.directions[at].hits[steep], 2);
+  EXPECT_GT(segment.directions[at].path[level], 0);
+}
+
 TEST(VoxelGrid, RaysWithoutLengthOrFarAwayChangeNothing) {
   const RowSegment s = make_row_segment();
   tile::SegmentBatch rays;

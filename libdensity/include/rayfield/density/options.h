@@ -81,24 +81,38 @@ struct VoxelFitOptions {
 
 /// Distributions of leaf inclination (angle between a leaf's normal and the vertical; azimuths uniform).
 /// de Wit's types plus Campbell's ellipsoid.
-enum class LeafAngleType { spherical, uniform, planophile, erectophile, plagiophile, extremophile, ellipsoidal };
-inline constexpr OptionChoices<LeafAngleType, 7> kLeafAngleTypes{{{"spherical", LeafAngleType::spherical},
+/// `measured`: from each scan, spherical until then.
+enum class LeafAngleType {
+  spherical,
+  uniform,
+  planophile,
+  erectophile,
+  plagiophile,
+  extremophile,
+  ellipsoidal,
+  measured
+};
+inline constexpr OptionChoices<LeafAngleType, 8> kLeafAngleTypes{{{"spherical", LeafAngleType::spherical},
                                                                   {"uniform", LeafAngleType::uniform},
                                                                   {"planophile", LeafAngleType::planophile},
                                                                   {"erectophile", LeafAngleType::erectophile},
                                                                   {"plagiophile", LeafAngleType::plagiophile},
                                                                   {"extremophile", LeafAngleType::extremophile},
-                                                                  {"ellipsoidal", LeafAngleType::ellipsoidal}}};
+                                                                  {"ellipsoidal", LeafAngleType::ellipsoidal},
+                                                                  {"measured", LeafAngleType::measured}}};
 /// "spherical", "planophile" … Errors: usage.
 Result<LeafAngleType> parse_leaf_angle_type(std::string_view name);
 
 struct LeafAngles {
-  LeafAngleType type = LeafAngleType::spherical;
+  LeafAngleType type = LeafAngleType::measured;
   double ellipsoid_ratio = 1.0;
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
-    v.choice("type", o.type, kLeafAngleTypes, "Distribution of the leaves' inclination; azimuths are uniform");
+    v.choice("type", o.type, kLeafAngleTypes,
+             "Distribution of the leaves' inclination; azimuths are uniform. measured: spherical, unless the "
+             "directions of a "
+             "scan's hits say that its leaves are clearly flatter, which counts as ellipsoidal then");
     v.number("ellipsoid_ratio", o.ellipsoid_ratio, {0.05, 20},
              "Of ellipsoidal ones, horizontal over vertical semi-axis; 1 = spherical, above 1 = flatter leaves");
   }

@@ -1,0 +1,136 @@
+#include "libdensity/scan/scan_leaf_angles.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_voxels.h"
+#include "libdensity/scan/stage_versions.h"
+#include "libdensity/tiles/accumulate.h"
+#include "libdensity/tiles/stored.h"
+#include "libdensity/voxels/voxel_grid.h"
+
+namespace rayfield::density {
+namespace {
+
+constexpr const char* kKind = "leaf_angles";
+constexpr const char* kColumn = "fit";
+constexpr std::size_t kMostSegments = 16;  // of the scan; they cost 6 MB each
+
+/// Evenly from all.
+RowSegmentList some_of(RowSegmentList list) {
+  const std::size_t count = list.row_segments.size();
+  if (count <= kMostSegments) return list;
+  std::vector<RowSegment> kept;
+  for (std::size_t k = 0; k < kMostSegments; ++k) kept.push_back(list.row_segments[k * count / kMostSegments]);
+  list.row_segments = std::move(kept);
+  return list;
+}
+
+/// By row and number of the row segment.
+using Likelihoods = std::map<std::pair<int, int>, DirectionLikelihood>;
+
+// One tile.
+Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, double full_echo,
+                      Likelihoods& sums) {
+  RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
+  empty.keep_directions();
+  RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
+  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress));
+  const TileVoxels voxels = std::move(sum).finish();
+  for (const RowSegmentVoxels& segment : voxels.row_segments) {
+    DirectionLikelihood& of_segment = sums[{segment.row_segment.row, segment.row_segment.index}];
+    for (const DirectionCounters& voxel : segment.directions) of_segment.add(voxel, full_echo);
+  }
+  return {};
+}
+
+Result<LeafAngleFit> fit_scan(ScanWork& work, const RowSegmentList& row_segments, std::span<const WoodCylinder> wood,
+                              const std::shared_ptr<const BeamView>& view) {
+  Likelihoods sums;
+  work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), work.scan.tiles.size(), "tiles");
+  for (const tile::TileEntry& entry : work.scan.tiles) {
+    work.progress.advance(1);
+    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
+    if (scene.row_segments.empty()) continue;
+    RAYFIELD_ASSIGN(VoxelAccumulator empty,
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
+    if (empty.empty()) continue;
+    RAYFIELD_CHECK(add_tile(work, entry, std::move(empty), view ? view->full_echo : 1, sums));
+  }
+  std::vector<DirectionLikelihood> parts;
+  for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
+  return fit_leaf_angles(parts, view != nullptr);
+}
+
+std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view) {
+  KeyBuilder key(kKind, kLeafAnglesVersion);
+  key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels)).add(work.options.voxel_fit.sample_m);
+  if (view) {
+    add_beam(key, view->beam);
+    key.add(view->full_echo).add(view->behind_m);
+  }
+  key.add(work.layout_key).add(work.files.sha256("profile", "block"));
+  for (const tile::TileEntry& entry : work.scan.tiles)
+    key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
+  return key.hex();
+}
+
+Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
+  RAYFIELD_ASSIGN(const auto f, stored_column<double>(arrays, kColumn, 3));
+  if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
+  return LeafAngleFit{f[0], f[1], f[2] != 0};
+}
+
+}  // namespace
+
+Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                                         const CanopyProfile& profile, std::span<const WoodCylinder> wood,
+                                         const std::shared_ptr<const BeamView>& view,
+                                         const std::optional<EchoModel>& echoes) {
+  if (work.options.voxels.leaf_angles.type != LeafAngleType::measured ||
+      work.options.estimator.estimator == Estimator::paper)
+    return LeafAngleFit{};
+  std::shared_ptr<const BeamView> with_echo;
+  if (view && echoes) {
+    auto copy = std::make_shared<BeamView>(*view);
+    copy->full_echo = echoes->full_echo;
+    with_echo = copy;
+  }
+  const auto make = [&]() -> Result<tile::ArraySet> {
+    RAYFIELD_ASSIGN(RowSegmentList row_segments,
+                    make_row_segments(layout, ground, profile,
+                                      with_voxel_size(work.options.segments, work.options.voxel_fit.sample_m)));
+    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_scan(work, some_of(std::move(row_segments)), wood, with_echo));
+    tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
+    arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio, fit.error, fit.measured ? 1.0 : 0.0};
+    return arrays;
+  };
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo), make));
+  return fit_from(arrays);
+}
+
+Result<LeafAngleFit> read_leaf_angles(const tile::Store& store, const tile::ScanEntry& scan) {
+  for (const tile::DerivedEntry& entry : scan.derived) {
+    if (entry.kind != kKind) continue;
+    RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
+    return fit_from(arrays);
+  }
+  return LeafAngleFit{};
+}
+
+std::string leaf_angle_note(const tile::ScanEntry& scan, const LeafAngleFit& fit) {
+  const LeafAngles angles = fit.angles();
+  if (angles.type == LeafAngleType::spherical) return {};
+  return fmt::format(
+      "the leaves of {} lie flatter than leaves turned at random: steep rays meet more of them than level ones, as "
+      "the faces of ellipsoids {:.1f} times as wide as high (± {:.0f} %), and areas are counted for such",
+      scan.scan_id, angles.ellipsoid_ratio, 100 * fit.error);
+}
+
+}  // namespace rayfield::density

@@ -1,0 +1,100 @@
+#include "libdensity/voxels/leaf_angle_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "libdensity/voxels/leaf_angle.h"
+
+namespace rayfield::density {
+namespace {
+
+/// Voxels of some density, each seen by rays of a few directions and widths, met as often as leaves of an ellipsoid's
+/// angles and a loss with the width say.
+std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool wide, int voxels = 1500,
+                                          double full_echo = 1) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<DirectionLikelihood> parts(8);
+  for (int v = 0; v < voxels; ++v) {
+    const double density = 0.2 + 0.8 * uniform(engine);
+    DirectionCounters voxel;
+    for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
+      for (std::size_t w = 0; w < (wide ? DirectionCounters::kWidths : 1); ++w) {
+        if (uniform(engine) < 0.4) continue;
+        const std::size_t bin = k * DirectionCounters::kWidths + w;
+        const double path = 40 * uniform(engine);
+        const double met = path * density *
+                           leaf_projection({LeafAngleType::ellipsoidal, ratio}, DirectionCounters::kSine[k]) *
+                           std::exp(-loss_per_m * DirectionCounters::kWidth_m[w]);
+        voxel.add_path(bin, path);
+        voxel.hits[bin] = std::llrint(full_echo) * std::poisson_distribution<long>(met)(engine);
+      }
+    parts[static_cast<std::size_t>(v) % parts.size()].add(voxel, full_echo);
+  }
+  return parts;
+}
+
+TEST(DirectionCounters, BinsGoBySteepnessUpAndDownAndByWidth) {
+  EXPECT_EQ(DirectionCounters::bin_of(0.05, 0), 0U);
+  EXPECT_EQ(DirectionCounters::bin_of(-0.25, 0), 2 * DirectionCounters::kWidths);
+  EXPECT_EQ(DirectionCounters::bin_of(0.99, 0.5), DirectionCounters::kBins - 1);
+  for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
+    for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w)
+      EXPECT_EQ(DirectionCounters::bin_of(DirectionCounters::kSine[k], DirectionCounters::kWidth_m[w]),
+                k * DirectionCounters::kWidths + w);
+}
+
+// Errors are about those of Poisson hits here: 0.02 to 0.06.
+TEST(LeafAngleFit, DirectionsOfHitsTellTheRatioOfTheEllipsoid) {
+  for (const double ratio : {0.8, 1.0, 2.0, 3.5}) {
+    const LeafAngleFit fit = fit_leaf_angles(parts_of(ratio, 0, false), false);
+    ASSERT_TRUE(fit.measured) << ratio;
+    EXPECT_LT(fit.error, 0.15) << ratio;
+    EXPECT_NEAR(fit.ln_ratio, std::log(ratio), 3 * fit.error + 0.02) << ratio;
+  }
+}
+
+TEST(LeafAngleFit, WhatWideBeamsLoseIsNotTakenForAngles) {
+  for (const double ratio : {1.0, 3.0}) {
+    const std::vector<DirectionLikelihood> parts = parts_of(ratio, 20, true, 1500, 105);
+    const LeafAngleFit fit = fit_leaf_angles(parts, true);
+    ASSERT_TRUE(fit.measured) << ratio;
+    EXPECT_NEAR(fit.ln_ratio, std::log(ratio), 3 * fit.error + 0.02) << ratio;
+  }
+}
+
+TEST(LeafAngleFit, FewHitsOrFewPartsTellNothing) {
+  EXPECT_FALSE(fit_leaf_angles({}, false).measured);
+  EXPECT_FALSE(fit_leaf_angles(parts_of(3, 0, false, 60), false).measured);
+  const std::vector<DirectionLikelihood> parts = parts_of(3, 0, false);
+  EXPECT_FALSE(fit_leaf_angles(std::span(parts).first(3), false).measured);
+  EXPECT_EQ(LeafAngleFit{}.angles().type, LeafAngleType::spherical);
+}
+
+TEST(LeafAngleFit, PartsThatDisagreeTellNothing) {
+  std::vector<DirectionLikelihood> parts = parts_of(0.7, 0, false), flat = parts_of(6, 0, false, 9000);
+  for (std::size_t i = 0; i + 1 < parts.size(); ++i) parts[i] = parts[7];
+  parts[0] = flat[0];
+  EXPECT_FALSE(fit_leaf_angles(parts, false).measured);
+}
+
+TEST(LeafAngleFit, LeavesAreSphericalUnlessTheyAreClearlyFlatter) {
+  const auto ratio_of = [](double ln_ratio) {
+    const LeafAngles angles = LeafAngleFit{ln_ratio, 0.05, true}.angles();
+    return angles.type == LeafAngleType::spherical ? 1.0 : angles.ellipsoid_ratio;
+  };
+  for (const double ln_ratio : {-1.5, 0.0, 0.2, 0.42}) EXPECT_EQ(ratio_of(ln_ratio), 1) << ln_ratio;
+  EXPECT_NEAR(ratio_of(1.3), std::exp(1.3 - 0.12), 1e-9);
+  double before = 1;
+  for (double ln_ratio = 0.4; ln_ratio < 1.2; ln_ratio += 0.01) {  // no step between
+    EXPECT_GE(ratio_of(ln_ratio), before);
+    EXPECT_LT(ratio_of(ln_ratio), before + 0.08) << ln_ratio;
+    before = ratio_of(ln_ratio);
+  }
+}
+
+}  // namespace
+}  // namespace rayfield::density
