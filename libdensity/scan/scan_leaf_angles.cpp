@@ -20,7 +20,9 @@ namespace {
 
 constexpr const char* kKind = "leaf_angles";
 constexpr const char* kColumn = "fit";
-constexpr std::size_t kMostSegments = 16;  // of the scan; they cost 6 MB each
+constexpr std::size_t kMostSegments = 16;
+constexpr std::size_t kMostVoxels = 400000;
+constexpr double kCoarser = 1.5, kCoarsestM = 0.3;
 
 /// Evenly from all.
 RowSegmentList some_of(RowSegmentList list) {
@@ -32,20 +34,51 @@ RowSegmentList some_of(RowSegmentList list) {
   return list;
 }
 
+/// In voxels of `sample_m`, or for crowns of trees in larger ones.
+Result<RowSegmentList> sampled_segments(const RowLayout& layout, const GroundModel& ground,
+                                        const CanopyProfile& profile, const ProcessOptions& options) {
+  for (double voxel_m = options.voxel_fit.sample_m;; voxel_m *= kCoarser) {
+    RAYFIELD_ASSIGN(
+        RowSegmentList all,
+        make_row_segments(layout, ground, profile, with_voxel_size(options.segments, std::min(voxel_m, kCoarsestM))));
+    RowSegmentList some = some_of(std::move(all));
+    std::size_t voxels = 0;
+    for (const RowSegment& s : some.row_segments) voxels += s.shape().columns() * static_cast<std::size_t>(s.n_up);
+    if (voxels <= kMostVoxels || voxel_m >= kCoarsestM) return some;
+  }
+}
+
 /// By row and number of the row segment.
 using Likelihoods = std::map<std::pair<int, int>, DirectionLikelihood>;
 
-// One tile.
-Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, double full_echo,
+/// How many row segments from the one at `first` on have room for their directions, at least one.
+std::size_t segments_with_room(const ScanWork& work, const VoxelAccumulator& empty, std::size_t first) {
+  const std::vector<std::size_t> voxels = empty.voxel_counts();
+  std::size_t bytes = empty.bytes(), count = 0;
+  for (; first + count < voxels.size(); ++count) {
+    bytes += voxels[first + count] * sizeof(DirectionCounters);
+    if (count > 0 && 2 * bytes > work.memory.counts_bytes) break;  // as counting_workers() reckons
+  }
+  return count;
+}
+
+// One tile. Read more than once where memory is short, with the same result.
+Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelAccumulator& empty, double full_echo,
                       Likelihoods& sums) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  empty.keep_directions();
-  RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
-  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress));
-  const TileVoxels voxels = std::move(sum).finish();
-  for (const RowSegmentVoxels& segment : voxels.row_segments) {
-    DirectionLikelihood& of_segment = sums[{segment.row_segment.row, segment.row_segment.index}];
-    for (const DirectionCounters& voxel : segment.directions) of_segment.add(voxel, full_echo);
+  const std::size_t segments = empty.voxel_counts().size();
+  for (std::size_t first = 0; first < segments;) {
+    const std::size_t count = segments_with_room(work, empty, first);
+    VoxelAccumulator with_directions = empty;
+    with_directions.keep_directions(first, count);
+    RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, with_directions));
+    RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(with_directions), workers, work.progress));
+    const TileVoxels voxels = std::move(sum).finish();
+    for (const RowSegmentVoxels& segment : voxels.row_segments) {
+      DirectionLikelihood& of_segment = sums[{segment.row_segment.row, segment.row_segment.index}];
+      for (const DirectionCounters& voxel : segment.directions) of_segment.add(voxel, full_echo);
+    }
+    first += count;
   }
   return {};
 }
@@ -61,7 +94,7 @@ Result<LeafAngleFit> fit_scan(ScanWork& work, const RowSegmentList& row_segments
     RAYFIELD_ASSIGN(VoxelAccumulator empty,
                     VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
     if (empty.empty()) continue;
-    RAYFIELD_CHECK(add_tile(work, entry, std::move(empty), view ? view->full_echo : 1, sums));
+    RAYFIELD_CHECK(add_tile(work, entry, empty, view ? view->full_echo : 1, sums));
   }
   std::vector<DirectionLikelihood> parts;
   for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
@@ -103,10 +136,8 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     with_echo = copy;
   }
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(RowSegmentList row_segments,
-                    make_row_segments(layout, ground, profile,
-                                      with_voxel_size(work.options.segments, work.options.voxel_fit.sample_m)));
-    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_scan(work, some_of(std::move(row_segments)), wood, with_echo));
+    RAYFIELD_ASSIGN(const RowSegmentList row_segments, sampled_segments(layout, ground, profile, work.options));
+    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_scan(work, row_segments, wood, with_echo));
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio, fit.error, fit.measured ? 1.0 : 0.0};
     return arrays;

@@ -179,8 +179,15 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   return VoxelAccumulator(geometry);
 }
 
-void VoxelAccumulator::keep_directions() {
-  for (RowSegmentVoxels& sums : sums_) sums.directions.assign(sums.voxels.size(), {});
+void VoxelAccumulator::keep_directions(std::size_t first, std::size_t count) {
+  for (std::size_t i = first; i < std::min(first + count, sums_.size()); ++i)
+    sums_[i].directions.assign(sums_[i].voxels.size(), {});
+}
+
+std::vector<std::size_t> VoxelAccumulator::voxel_counts() const {
+  std::vector<std::size_t> counts;
+  for (const RowSegmentVoxels& sums : sums_) counts.push_back(sums.voxels.size());
+  return counts;
 }
 
 std::size_t VoxelAccumulator::bytes() const { return counter_bytes(sums_); }

@@ -119,8 +119,10 @@ class VoxelAccumulator {
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
   /// fitted to it. With a BeamView the strength of the echoes, too, and the echoes themselves of a share of the places.
   void add_pairs(const tile::SegmentBatch& segments);
-  /// From here on add() counts RowSegmentVoxels::directions, too.
-  void keep_directions();
+  /// From here on add() counts RowSegmentVoxels::directions, too, of `count` row segments from the one at `first` on.
+  void keep_directions(std::size_t first, std::size_t count);
+  /// Of the voxels of each row segment that has any in the tile.
+  std::vector<std::size_t> voxel_counts() const;
   /// `share`: of the plan, whose echoes add_pairs() keeps for take_leaf_echoes().
   void keep_leaf_echoes(double share) { kept_share_ = share; }
   std::vector<LeafEcho> take_leaf_echoes() { return std::exchange(leaf_echoes_, {}); }

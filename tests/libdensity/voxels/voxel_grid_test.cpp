@@ -231,7 +231,7 @@ TEST(VoxelGrid, DirectionsAddUpToTheCounters) {
   push_ray(rays, low, high, false);
   auto accumulator = VoxelAccumulator::create({testing::kBigTile, testing::kBigTileSize}, std::vector{s}, {}, {});
   ASSERT_TRUE(accumulator.has_value());
-  accumulator->keep_directions();
+  accumulator->keep_directions(0, 1);
   VoxelAccumulator other = *accumulator;
   ASSERT_TRUE(accumulator->add(rays) && other.add(rays) && accumulator->merge(other));
   const TileVoxels voxels = std::move(*accumulator).finish();
