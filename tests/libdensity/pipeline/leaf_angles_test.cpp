@@ -10,7 +10,6 @@ namespace {
 
 using testing::Block;
 using testing::drive_past;
-using testing::take;
 
 sim::Site site_with(sim::LeafAngles angles) {
   sim::Site site = testing::block_site(1, 31);
