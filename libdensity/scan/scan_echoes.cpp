@@ -65,6 +65,8 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
   return sampled;
 }
 
+bool has_thin_beam(const tile::ScanEntry& scan) { return diameter_of(scan) <= kThinM; }
+
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options) {
   if (!options.enabled || diameter_of(scan) <= kThinM) return nullptr;

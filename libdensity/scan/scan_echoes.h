@@ -25,6 +25,9 @@ struct SampledEchoes {
 Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
                                     std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view);
 
+/// Up to 3 mm at 2 m, or unknown.
+bool has_thin_beam(const tile::ScanEntry& scan);
+
 /// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
 /// where the options say so.
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,

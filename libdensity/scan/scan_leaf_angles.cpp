@@ -127,7 +127,7 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
                                          const std::shared_ptr<const BeamView>& view,
                                          const std::optional<EchoModel>& echoes) {
   if (work.options.voxels.leaf_angles.type != LeafAngleType::measured ||
-      work.options.estimator.estimator == Estimator::paper)
+      work.options.estimator.estimator == Estimator::paper || (!echoes && !has_thin_beam(work.scan)))
     return LeafAngleFit{};
   std::shared_ptr<const BeamView> with_echo;
   if (view && echoes) {

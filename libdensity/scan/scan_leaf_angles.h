@@ -15,8 +15,8 @@
 namespace rayfield::density {
 
 /// How the leaves of the scan are turned (kind "leaf_angles", docs/density.md), from up to 16 of its row segments.
-/// `view` and `echoes`: of beams that are not thin. Nothing is measured where the options say the angles, and for the
-/// published method.
+/// `view` and `echoes`: of beams that are not thin. Nothing is measured where the options say the angles, for the
+/// published method, and where wide beams are counted: what is apparent then goes with their width.
 Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
                                          const CanopyProfile& profile, std::span<const WoodCylinder> wood,
                                          const std::shared_ptr<const BeamView>& view,

@@ -20,6 +20,8 @@ TEST(ScanEchoes, UnknownAndThinBeamsAddNoErrorAndHaveNoView) {
   EXPECT_EQ(integration_with_beam(options, scan_with(0, 0), {}).shared_error, options.shared_error);
   EXPECT_EQ(beam_note(tile::ScanEntry{}, {}), "");
   EXPECT_EQ(beam_note(scan_with(0, 0.001), {}), "");
+  EXPECT_TRUE(has_thin_beam(tile::ScanEntry{}) && has_thin_beam(scan_with(0, 0.001)));
+  EXPECT_FALSE(has_thin_beam(scan_with(0.0136, 0.0119)));
   EXPECT_EQ(view_of(tile::ScanEntry{}, {}, {}), nullptr);
   EXPECT_EQ(view_of(scan_with(0, 0.001), {}, {}), nullptr);
 }
