@@ -128,6 +128,11 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
 
 }  // namespace
 
+bool sends_one_beam(const EchoStatistics& statistics) {
+  return static_cast<double>(statistics.previous_beside()) >
+         kOneBeamsPreviousBeside * static_cast<double>(statistics.echoes());
+}
+
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
   if (statistics.echoes() < kEnoughEchoes || leafiness_of(statistics) < kLeastLeafiness) return std::nullopt;
   EchoModel model{known.beam, known.range_resolution_m};
@@ -137,8 +142,7 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(narrowest(statistics.all())).mean();
   // Of lidars with several beams at a time what is lost with the thickness of the row is not known (docs/beams.md):
   // without full echoes and with a weakest echo that is taken too strong, two errors cancel there.
-  const bool one_beam = static_cast<double>(statistics.previous_beside()) >
-                        kOneBeamsPreviousBeside * static_cast<double>(statistics.echoes());
+  const bool one_beam = sends_one_beam(statistics);
   if (!one_beam) model.resolution_path = kSeveralBeamsResolutionPath;
   const double weakest = one_beam ? quantile(statistics.histogram(), kWeakestShare) / kWeakest
                                   : quantile(statistics.histogram(), kSeveralBeamsWeakestShare) / kSeveralBeamsWeakest;

@@ -34,6 +34,9 @@ struct EchoKnowledge {
   double leaf_size_m2 = -1;  ///< negative: from the statistics
 };
 
+/// Whether the lidar sends one beam after the other, so that the previous one is the one beside: of a scan, or a tile.
+bool sends_one_beam(const EchoStatistics& statistics);
+
 /// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than six to one of a
 /// beam that falls wholly on a post or trunk): canes are thinner than the beam, and nothing here knows by how much.
 ///
@@ -41,7 +44,7 @@ struct EchoKnowledge {
 /// (full_echo_strength()), where there are ten of them; the other, 10 % off, the mean echo of the narrowest third of
 /// the beams over the share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the
 /// wood among the echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with
-/// several beams at a time (few previous_beside()): the mean echo, the strength that 5 % do not reach, and a
+/// several beams at a time (not sends_one_beam()): the mean echo, the strength that 5 % do not reach, and a
 /// resolution_path of 0.6. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large
 /// by 1 + (D/60 mm)^1.5, D the mean width. Fitted, to simulated scans (docs/beams.md): the 2 % and 1.03, the two
 /// numbers of the leaves' side, and the density behind mean_echo_share().

@@ -21,11 +21,12 @@ constexpr double kInside = 1.0;                    // and how far out none may h
 constexpr int kSectors = 6;                        // of the ring, each with an echo
 constexpr double kFlatM = 0.02;                    // rms of the echoes from their plane, ranges' noise included
 constexpr double kOffPlaneM = 0.03;                // farther from it is elsewhere
-constexpr double kStartM = 0.06, kNearbyM = 0.15;  // along the beam: for the plane, and what is looked at at all
-constexpr double kSameDirection = 0.97;            // cosine: 14°
+constexpr double kStartM = 0.06;                   // along the beam: for the plane
+constexpr float kNearbyM = 0.15F;                  // and what is looked at at all
+constexpr float kSameDirection = 0.97F;            // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
-constexpr double kWidestM = 0.3;   // of beams
-constexpr double kSlack = 1.0001;  // of distances that are only to leave out what is farther away
+constexpr float kColumnM = 0.08F;  // side
+constexpr float kSlack = 1.001F;   // of distances that are only to leave out what is farther away
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 
 /// Echoes in square columns, sorted by column and height.
@@ -60,10 +61,10 @@ class EchoColumns {
   }
   std::span<const LeafEcho> echoes() const { return echoes_; }
 
-  /// Calls visit(number of the echo), in the order of the numbers, for all that may be up to `reach_m` away.
+  /// Calls visit(number of the echo), in the order of the numbers, for all in the box around `position`.
   template <class Visit>
-  void for_near(const Eigen::Vector3f& position, float reach_m, Visit visit) const {
-    const Eigen::Array3f low = position.array() - reach_m, high = position.array() + reach_m;
+  void for_near(const Eigen::Vector3f& position, const Eigen::Array3f& half_sides_m, Visit visit) const {
+    const Eigen::Array3f low = position.array() - half_sides_m, high = position.array() + half_sides_m;
     for (int ix = column_of(low.x()); ix <= column_of(high.x()); ++ix) {
       auto column = std::lower_bound(columns_.begin(), columns_.end(), Place(ix, column_of(low.y())),
                                      [](const Column& c, const Place& at) { return c.place() < at; });
@@ -71,9 +72,7 @@ class EchoColumns {
         const auto end = echoes_.begin() + static_cast<std::ptrdiff_t>(column->end);
         auto it = std::lower_bound(echoes_.begin() + static_cast<std::ptrdiff_t>(column->begin), end, low.z(),
                                    [](const LeafEcho& e, float z) { return e.position.z() < z; });
-        for (; it != end && it->position.z() <= high.z(); ++it)
-          if ((it->position - position).squaredNorm() <= reach_m * reach_m)
-            visit(static_cast<std::size_t>(it - echoes_.begin()));
+        for (; it != end && it->position.z() <= high.z(); ++it) visit(static_cast<std::size_t>(it - echoes_.begin()));
       }
     }
   }
@@ -86,14 +85,24 @@ class EchoColumns {
   std::vector<Column> columns_;
 };
 
-/// How far away, across the beam and along it, an echo's neighbours are at most.
-double reach_of(double width_m) { return std::hypot(kRingTo * width_m, kNearbyM); }
+/// Every other echo in the order of their places, every other two, and the odd ones of the one with the even ones of the
+/// other: no two of these ways to divide have more than half of a half in common.
+std::size_t halves_of(std::size_t number) {
+  const std::size_t one = number & 1, two = number >> 1 & 1;
+  return one | two << 1 | (one ^ two) << 2;
+}
+
+/// Half the sides of the box around the piece of a beam, to either side of an echo, in which its neighbours are.
+Eigen::Array3f half_sides(const Eigen::Vector3f& direction, double radius_m) {
+  const Eigen::Array3f along = direction.array().abs(), across = (1 - along.square()).max(0).sqrt();
+  return kSlack * (kNearbyM * along + static_cast<float>(radius_m) * across);
+}
 
 /// An echo near another one, seen along the other's beam.
 struct Neighbour {
   double x, y, along;  ///< across the beam, and beyond the other one
   double distance;     ///< √(x² + y²), in diameters of the beam
-  bool even;           ///< one of the two halves
+  std::size_t halves;  ///< bit k: which one of the k-th way to divide
 };
 
 /// Least squares of along = a·x + b·y + c through neighbours and the echo itself.
@@ -134,7 +143,8 @@ bool is_full(std::span<const Neighbour> neighbours, FullEcho& out) {
   if (std::abs(plane.z()) >= kFlatM) return false;
   unsigned sectors = 0;
   double squares = 0;
-  std::array<PlaneFit, 2> halves;
+  std::size_t on_plane = 0;
+  std::array<std::array<PlaneFit, 2>, FullEcho::kWays> halves;
   for (const Neighbour& n : neighbours) {
     const double off = off_plane(n, plane);
     if (std::abs(off) >= kOffPlaneM) {
@@ -142,15 +152,17 @@ bool is_full(std::span<const Neighbour> neighbours, FullEcho& out) {
       continue;
     }
     squares += off * off;
-    halves[n.even ? 0 : 1].add(n);
+    for (std::size_t way = 0; way < halves.size(); ++way) halves[way][n.halves >> way & 1].add(n);
+    ++on_plane;
     const double turn = std::atan2(n.y, n.x) / (2 * std::numbers::pi) + 0.5;
     if (n.distance > kRingFrom) sectors |= 1u << (floor_int(turn * kSectors) % kSectors);
   }
-  const std::size_t on_plane = halves[0].count() + halves[1].count();
   if (sectors != (1u << kSectors) - 1 || squares >= kFlatM * kFlatM * static_cast<double>(on_plane)) return false;
-  if (std::min(halves[0].count(), halves[1].count()) + 1 < kLeastForPlane) return false;
+  for (const auto& [one, other] : halves)
+    if (std::min(one.count(), other.count()) + 1 < kLeastForPlane) return false;
   out.cosine = cosine_of(plane), out.spread_m = static_cast<float>(std::sqrt(squares / static_cast<double>(on_plane)));
-  out.first_cosine = cosine_of(halves[0].solve()), out.second_cosine = cosine_of(halves[1].solve());
+  for (std::size_t way = 0; way < halves.size(); ++way)
+    out.half_cosine[way] = {cosine_of(halves[way][0].solve()), cosine_of(halves[way][1].solve())};
   return true;
 }
 
@@ -178,17 +190,22 @@ std::vector<FullEcho> flattest(std::span<const FullEcho> echoes) {
 /// Differences between the echoes of which `instrument` is above its median and the others.
 struct Contrast {
   double intensity = 0, cosine = 0;
+  Contrast& operator+=(const Contrast& other) {
+    intensity += other.intensity, cosine += other.cosine;
+    return *this;
+  }
 };
 
-Contrast contrast(std::span<const FullEcho> echoes, float FullEcho::*instrument, float FullEcho::*cosine) {
+/// `instrument`: one of the halves of a way to divide; the cosine is the other's.
+Contrast contrast(std::span<const FullEcho> echoes, std::size_t way, std::size_t instrument) {
   std::vector<double> values;
-  for (const FullEcho& e : echoes) values.push_back(static_cast<double>(e.*instrument));
+  for (const FullEcho& e : echoes) values.push_back(static_cast<double>(e.half_cosine[way][instrument]));
   const double middle = median(values);
   std::array<std::vector<double>, 2> intensity;
   std::array<double, 2> sum{};
   for (const FullEcho& e : echoes) {
-    const std::size_t side = static_cast<double>(e.*instrument) > middle ? 1 : 0;
-    intensity[side].push_back(e.intensity), sum[side] += static_cast<double>(e.*cosine);
+    const std::size_t side = static_cast<double>(e.half_cosine[way][instrument]) > middle ? 1 : 0;
+    intensity[side].push_back(e.intensity), sum[side] += static_cast<double>(e.half_cosine[way][1 - instrument]);
   }
   if (intensity[0].empty() || intensity[1].empty()) return {};
   const auto mean = [&](std::size_t side) { return sum[side] / static_cast<double>(intensity[side].size()); };
@@ -198,9 +215,7 @@ Contrast contrast(std::span<const FullEcho> echoes, float FullEcho::*instrument,
 }  // namespace
 
 std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
-  double widest_m = kNarrowestM;
-  for (const LeafEcho& e : all) widest_m = std::max(widest_m, static_cast<double>(e.width_m));
-  const EchoColumns columns(all, static_cast<float>(reach_of(std::min(widest_m, kWidestM))));
+  const EchoColumns columns(all, kColumnM);
   const std::span<const LeafEcho> echoes = columns.echoes();
   std::vector<FullEcho> out;
   std::vector<Neighbour> neighbours;
@@ -208,20 +223,20 @@ std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
     const LeafEcho& echo = echoes[i];
     const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
     const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
-    const double farthest = kSlack * kRingTo * width_m;
+    const double ring_m = kRingTo * width_m;
+    const float farthest_square = kSlack * static_cast<float>(ring_m * ring_m);
     neighbours.clear();
     const auto visit = [&](std::size_t j) {
       const Eigen::Vector3f to = echoes[j].position - echo.position;
-      const auto along = static_cast<double>(to.dot(echo.direction));
-      if (j == i || std::abs(along) >= kNearbyM ||
-          static_cast<double>(echoes[j].direction.dot(echo.direction)) <= kSameDirection)
+      const float along = to.dot(echo.direction);
+      if (j == i || std::abs(along) >= kNearbyM || to.squaredNorm() - along * along > farthest_square ||
+          echoes[j].direction.dot(echo.direction) <= kSameDirection)
         return;
       const auto x = static_cast<double>(to.dot(across)), y = static_cast<double>(to.dot(third));
-      if (x * x + y * y > farthest * farthest) return;
       const double distance = std::hypot(x, y) / width_m;
-      if (distance < kRingTo) neighbours.push_back({x, y, along, distance, j % 2 == 0});
+      if (distance < kRingTo) neighbours.push_back({x, y, static_cast<double>(along), distance, halves_of(j)});
     };
-    columns.for_near(echo.position, static_cast<float>(kSlack * reach_of(width_m)), visit);
+    columns.for_near(echo.position, half_sides(echo.direction, ring_m), visit);
     FullEcho full{echo.intensity};
     if (is_full(neighbours, full)) out.push_back(full);
   }
@@ -244,13 +259,14 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
   constexpr double kNormal = 1.4826, kOfMedian = 1.2533;  // spread from absolute deviations; error of a median
   const double median_error =
       kOfMedian * kNormal * median(values) / middle / std::sqrt(static_cast<double>(echoes.size()));
-  const Contrast a = contrast(echoes, &FullEcho::first_cosine, &FullEcho::second_cosine);
-  const Contrast b = contrast(echoes, &FullEcho::second_cosine, &FullEcho::first_cosine);
-  const double span = (a.cosine + b.cosine) / 2;
+  Contrast sum;
+  for (std::size_t way = 0; way < FullEcho::kWays; ++way)
+    for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) sum += contrast(echoes, way, half);
+  const double span = sum.cosine / (2 * FullEcho::kWays);
   out.slope = prior.slope;
   double slope_error = prior.error;
   if (span > 0.01) {
-    const double measured = (a.intensity + b.intensity) / 2 / span / middle;
+    const double measured = sum.intensity / sum.cosine / middle;
     const double error = std::max(kFinest, 2 * median_error / span);  // of the difference of two halves' medians
     const double weight = 1 / (error * error), prior_weight = 1 / (prior.error * prior.error);
     out.slope = (weight * measured + prior_weight * prior.slope) / (weight + prior_weight);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,11 +19,14 @@ struct LeafEcho {
 };
 
 /// One of a beam that fell wholly on a leaf. Cosines of the angle between the beam and the leaf's normal: from all
-/// echoes around it, and from either half of them, so that errors of the two are independent.
+/// echoes around it, and from either half of them, so that errors of the two are independent; halves of several ways to
+/// divide them.
 struct FullEcho {
+  static constexpr std::size_t kWays = 3;
   std::uint16_t intensity = 0;
   float spread_m = 0;  ///< rms of the echoes around it from their plane
-  float cosine = 1, first_cosine = 1, second_cosine = 1;
+  float cosine = 1;
+  std::array<std::array<float, 2>, kWays> half_cosine{};
   bool operator==(const FullEcho&) const = default;
 };
 
@@ -48,8 +53,9 @@ struct AngleDependence {
 /// Of those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them
 /// do not reach), so that bundles of canes are left out: their median, moved from their mean cosine to ⅔, that of rays
 /// that meet leaves of all orientations (hits go with the cosine). The slope on the way: difference of the medians of
-/// the full echoes on either side of the median of one of the two cosines, over that of the means of the other (an
-/// instrument: errors of the angle do not make the slope flatter), weighted with `prior` by their errors.
+/// the full echoes on either side of the median of one half's cosine, over that of the means of the other half's (an
+/// instrument: errors of the angle do not make the slope flatter), of all ways to divide, weighted with `prior` by their
+/// errors.
 FullEchoStrength full_echo_strength(std::span<const FullEcho> echoes, const AngleDependence& prior);
 
 }  // namespace rayfield::density

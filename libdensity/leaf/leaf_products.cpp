@@ -231,7 +231,7 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
     counted.prefix = kWoodPrefix;
     RAYFIELD_ASSIGN(const auto view, view_of_wood(work, voxels, wood));
     if (!view) counted.echoes.reset();
-    RAYFIELD_ASSIGN(counted.tiles, count_voxels(work, {wood.scan, wood.voxels, counted.prefix, view},
+    RAYFIELD_ASSIGN(counted.tiles, count_voxels(work, {wood.scan, wood.voxels, counted.prefix, view, /*pairs=*/false},
                                                 voxels.row_segments, voxels.wood));
   }
   RAYFIELD_ASSIGN(const ScanResults results, read_results(work, layout));

@@ -93,7 +93,8 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
                   choose_voxel_size(work, layout, surveyed.ground, profile, scan.voxels.wood, scan.voxels.echoes));
   RAYFIELD_ASSIGN(scan.voxels.row_segments, cut_row_segments(work, layout, surveyed.ground, profile, voxel_m));
   RAYFIELD_ASSIGN(scan.voxels.tiles,
-                  count_voxels(work, {work.scan, work.voxels, "", view}, scan.voxels.row_segments, scan.voxels.wood));
+                  count_voxels(work, {work.scan, work.voxels, "", view, /*pairs=*/!scan.voxels.echoes},
+                               scan.voxels.row_segments, scan.voxels.wood));
   RAYFIELD_ASSIGN(const ScanResults results, integrate_scan(work, layout, surveyed, scan.voxels));
   RAYFIELD_CHECK(keep_estimation(work, scan.voxels.wood));
   scan.processed.leaf_size_m2 = results.leaf_size_m2;

@@ -41,7 +41,8 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
-    sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
+    if (sends_one_beam(*sum.echo_statistics()))  // the others' are not used
+      sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};
@@ -53,15 +54,10 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
                                     std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view) {
   SampledEchoes sampled;
   work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
-  for (const tile::TileEntry& entry : work.scan.tiles) {
-    work.progress.advance(1);
-    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
-    if (scene.row_segments.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty,
-                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
-    if (empty.empty()) continue;
-    RAYFIELD_CHECK(sample_tile(work, entry, std::move(empty), sampled));
-  }
+  RAYFIELD_CHECK(for_voxel_tiles(work, work.scan.tiles, row_segments, wood, view,
+                                 [&](const tile::TileEntry& entry, VoxelAccumulator empty) {
+                                   return sample_tile(work, entry, std::move(empty), sampled);
+                                 }));
   return sampled;
 }
 

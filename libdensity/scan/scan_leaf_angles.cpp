@@ -20,31 +20,69 @@ namespace {
 
 constexpr const char* kKind = "leaf_angles";
 constexpr const char* kColumn = "fit";
-constexpr std::size_t kMostSegments = 16;
+constexpr std::size_t kMostTiles = 8, kMostSegments = 16;
+constexpr std::uint64_t kEnoughRays = 5000000;  // of more, only each n-th part of a tile is read
 constexpr std::size_t kMostVoxels = 400000;
 constexpr double kCoarser = 1.5, kCoarsestM = 0.3;
 
-/// Evenly from all.
-RowSegmentList some_of(RowSegmentList list) {
-  const std::size_t count = list.row_segments.size();
-  if (count <= kMostSegments) return list;
-  std::vector<RowSegment> kept;
-  for (std::size_t k = 0; k < kMostSegments; ++k) kept.push_back(list.row_segments[k * count / kMostSegments]);
-  list.row_segments = std::move(kept);
-  return list;
+/// Tiles in which leaf angles are measured, and the row segments.
+struct Sample {
+  std::vector<tile::TileEntry> tiles;
+  std::size_t every = 1;  ///< n-th of their chunks
+  RowSegmentList row_segments;
+};
+
+/// Those of the tiles with row segments in which every n-th hit of the scan lies.
+std::vector<tile::TileEntry> some_tiles(const ScanWork& work, const RowSegmentList& row_segments) {
+  std::vector<const tile::TileEntry*> with_rows;
+  double hits = 0;
+  for (const tile::TileEntry& entry : work.scan.tiles)
+    if (!scene_of(work.tile_of(entry), 0, row_segments, {}).row_segments.empty())
+      with_rows.push_back(&entry), hits += static_cast<double>(entry.hit_count);
+  std::vector<tile::TileEntry> some;
+  const double step = hits / static_cast<double>(kMostTiles);
+  double passed = 0, next = step / 2;
+  for (const tile::TileEntry* entry : with_rows) {
+    passed += static_cast<double>(entry->hit_count);
+    if (with_rows.size() > kMostTiles && passed < next) continue;
+    some.push_back(*entry);
+    while (next <= passed && step > 0) next += step;
+  }
+  return some;
+}
+
+/// Evenly from all in the tiles.
+void keep_some_segments(const ScanWork& work, Sample& sample) {
+  std::vector<RowSegment> in_tiles;
+  for (const RowSegment& s : sample.row_segments.row_segments) {
+    const RowSegmentList one{{s}, {}};
+    if (std::any_of(sample.tiles.begin(), sample.tiles.end(), [&](const tile::TileEntry& entry) {
+          return !scene_of(work.tile_of(entry), 0, one, {}).row_segments.empty();
+        }))
+      in_tiles.push_back(s);
+  }
+  sample.row_segments.row_segments.clear();
+  const std::size_t count = std::min(kMostSegments, in_tiles.size());
+  for (std::size_t k = 0; k < count; ++k)
+    sample.row_segments.row_segments.push_back(in_tiles[k * in_tiles.size() / count]);
 }
 
 /// In voxels of `sample_m`, or for crowns of trees in larger ones.
-Result<RowSegmentList> sampled_segments(const RowLayout& layout, const GroundModel& ground,
-                                        const CanopyProfile& profile, const ProcessOptions& options) {
-  for (double voxel_m = options.voxel_fit.sample_m;; voxel_m *= kCoarser) {
-    RAYFIELD_ASSIGN(
-        RowSegmentList all,
-        make_row_segments(layout, ground, profile, with_voxel_size(options.segments, std::min(voxel_m, kCoarsestM))));
-    RowSegmentList some = some_of(std::move(all));
+Result<Sample> make_sample(const ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+                           const CanopyProfile& profile) {
+  for (double voxel_m = work.options.voxel_fit.sample_m;; voxel_m *= kCoarser) {
+    Sample sample;
+    RAYFIELD_ASSIGN(sample.row_segments,
+                    make_row_segments(layout, ground, profile,
+                                      with_voxel_size(work.options.segments, std::min(voxel_m, kCoarsestM))));
+    sample.tiles = some_tiles(work, sample.row_segments);
+    std::uint64_t rays = 0;
+    for (const tile::TileEntry& entry : sample.tiles) rays += entry.segment_count;
+    sample.every = std::max<std::size_t>(1, rays / kEnoughRays);
+    keep_some_segments(work, sample);
     std::size_t voxels = 0;
-    for (const RowSegment& s : some.row_segments) voxels += s.shape().columns() * static_cast<std::size_t>(s.n_up);
-    if (voxels <= kMostVoxels || voxel_m >= kCoarsestM) return some;
+    for (const RowSegment& s : sample.row_segments.row_segments) voxels += s.shape().size();
+    if (voxels <= kMostVoxels || voxel_m >= kCoarsestM) return sample;
   }
 }
 
@@ -54,7 +92,7 @@ using Likelihoods = std::map<std::pair<int, int>, DirectionLikelihood>;
 /// How many row segments from the one at `first` on have room for their directions, at least one.
 std::size_t segments_with_room(const ScanWork& work, const VoxelAccumulator& empty, std::size_t first) {
   const std::vector<std::size_t> voxels = empty.voxel_counts();
-  std::size_t bytes = empty.bytes(), count = 0;
+  std::size_t bytes = 0, count = 0;
   for (; first + count < voxels.size(); ++count) {
     bytes += voxels[first + count] * sizeof(DirectionCounters);
     if (count > 0 && 2 * bytes > work.memory.counts_bytes) break;  // as counting_workers() reckons
@@ -63,42 +101,41 @@ std::size_t segments_with_room(const ScanWork& work, const VoxelAccumulator& emp
 }
 
 // One tile. Read more than once where memory is short, with the same result.
-Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelAccumulator& empty, double full_echo,
-                      Likelihoods& sums) {
+Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelAccumulator& empty, std::size_t every,
+                      const DirectionLikelihood& nothing, Likelihoods& sums) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   const std::size_t segments = empty.voxel_counts().size();
   for (std::size_t first = 0; first < segments;) {
+    const auto add = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { return sum.add(rays); };
     const std::size_t count = segments_with_room(work, empty, first);
     VoxelAccumulator with_directions = empty;
-    with_directions.keep_directions(first, count);
+    with_directions.count_directions_only(first, count);
     RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, with_directions));
-    RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(with_directions), workers, work.progress));
+    RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(with_directions), workers, work.progress,
+                                                          add, every));
     const TileVoxels voxels = std::move(sum).finish();
     for (const RowSegmentVoxels& segment : voxels.row_segments) {
-      DirectionLikelihood& of_segment = sums[{segment.row_segment.row, segment.row_segment.index}];
-      for (const DirectionCounters& voxel : segment.directions) of_segment.add(voxel, full_echo);
+      const std::pair name(segment.row_segment.row, segment.row_segment.index);
+      DirectionLikelihood& of_segment = sums.try_emplace(name, nothing).first->second;
+      for (const DirectionCounters& voxel : segment.directions) of_segment.add(voxel);
     }
     first += count;
   }
   return {};
 }
 
-Result<LeafAngleFit> fit_scan(ScanWork& work, const RowSegmentList& row_segments, std::span<const WoodCylinder> wood,
-                              const std::shared_ptr<const BeamView>& view) {
+Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<const WoodCylinder> wood,
+                                const std::shared_ptr<const BeamView>& view) {
   Likelihoods sums;
-  work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), work.scan.tiles.size(), "tiles");
-  for (const tile::TileEntry& entry : work.scan.tiles) {
-    work.progress.advance(1);
-    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
-    if (scene.row_segments.empty()) continue;
-    RAYFIELD_ASSIGN(VoxelAccumulator empty,
-                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
-    if (empty.empty()) continue;
-    RAYFIELD_CHECK(add_tile(work, entry, empty, view ? view->full_echo : 1, sums));
-  }
+  const DirectionLikelihood nothing(view ? std::optional(view->full_echo) : std::nullopt);
+  work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), sample.tiles.size(), "tiles");
+  RAYFIELD_CHECK(for_voxel_tiles(work, sample.tiles, sample.row_segments, wood, view,
+                                 [&](const tile::TileEntry& entry, VoxelAccumulator empty) {
+                                   return add_tile(work, entry, empty, sample.every, nothing, sums);
+                                 }));
   std::vector<DirectionLikelihood> parts;
   for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
-  return fit_leaf_angles(parts, view != nullptr);
+  return fit_leaf_angles(parts);
 }
 
 std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view) {
@@ -136,8 +173,8 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     with_echo = copy;
   }
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(const RowSegmentList row_segments, sampled_segments(layout, ground, profile, work.options));
-    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_scan(work, row_segments, wood, with_echo));
+    RAYFIELD_ASSIGN(const Sample sample, make_sample(work, layout, ground, profile));
+    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo));
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio, fit.error, fit.measured ? 1.0 : 0.0};
     return arrays;

@@ -41,7 +41,8 @@ void add_view(KeyBuilder& key, const BeamView& view, const tile::ScanEntry& scan
   for (const tile::TileEntry& entry : scan.tiles) key.add(entry.content_sha256());
 }
 
-Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty) {
+Result<TileVoxels> count_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, bool pairs) {
+  if (!pairs) empty.leave_out_pairs();
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
   RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
   RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress));
@@ -70,6 +71,21 @@ TileScene scene_of(const tile::TileRef& tile, double margin_m, const RowSegmentL
   return scene;
 }
 
+Result<void> for_voxel_tiles(ScanWork& work, std::span<const tile::TileEntry> tiles, const RowSegmentList& row_segments,
+                             std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view,
+                             const std::function<Result<void>(const tile::TileEntry&, VoxelAccumulator)>& visit) {
+  for (const tile::TileEntry& entry : tiles) {
+    RAYFIELD_CHECK(check_cancelled(work.progress));
+    work.progress.advance(1);
+    const TileScene scene = scene_of(work.tile_of(entry), work.store.config().tile_margin_m, row_segments, wood);
+    if (scene.row_segments.empty()) continue;
+    RAYFIELD_ASSIGN(VoxelAccumulator empty,
+                    VoxelAccumulator::create(work.tile_of(entry), scene.row_segments, scene.wood, work.voxels, view));
+    if (!empty.empty()) RAYFIELD_CHECK(visit(entry, std::move(empty)));
+  }
+  return {};
+}
+
 Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedRays& rays,
                                                   const RowSegmentList& row_segments,
                                                   std::span<const WoodCylinder> wood) {
@@ -87,14 +103,14 @@ Result<std::vector<tile::TileIndex>> count_voxels(ScanWork& work, const CountedR
                                                                      scene.wood, rays.voxels, rays.view));
     if (empty.empty()) continue;
     KeyBuilder key("voxels", kVoxelsVersion);
-    key.add(option_numbers(rays.voxels)).add(entry.content_sha256());
+    key.add(option_numbers(rays.voxels)).add(entry.content_sha256()).add(rays.pairs ? 1.0 : 0.0);
     for (const RowSegment& row_segment : scene.row_segments) add_row_segment(key, row_segment);
     for (const WoodCylinder& cylinder : scene.wood) add_wood(key, cylinder);
     if (rays.view) add_view(key, *rays.view, rays.scan);
     const std::string name = rays.prefix + tile_name(entry.index);
     RAYFIELD_CHECK(work.files.get("voxels", name, key.hex(), [&]() -> Result<tile::ArraySet> {
       stage.begin();
-      RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty)));
+      RAYFIELD_ASSIGN(const TileVoxels voxels, count_tile(work, entry, std::move(empty), rays.pairs));
       return arrays_from_voxels(voxels);
     }));
     with_voxels.push_back(entry.index);

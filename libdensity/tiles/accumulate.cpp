@@ -18,12 +18,14 @@ int chunk_workers(const tile::Store::TileReader& reader, int threads) {
 }
 
 Result<void> for_chunks(const tile::Store::TileReader& reader, int workers, const Progress& progress,
-                        const std::function<Result<void>(const tile::SegmentBatch& segments, int worker)>& add) {
+                        const std::function<Result<void>(const tile::SegmentBatch& segments, int worker)>& add,
+                        std::size_t every) {
   std::vector<tile::SegmentBatch> batches(static_cast<std::size_t>(workers));
-  return parallel_for(reader.chunk_count(), workers, [&](std::size_t chunk, int worker) -> Result<void> {
+  const std::size_t count = (reader.chunk_count() + every - 1) / every;
+  return parallel_for(count, workers, [&](std::size_t i, int worker) -> Result<void> {
     tile::SegmentBatch& batch = batches[worker];
     RAYFIELD_CHECK(check_cancelled(progress));
-    RAYFIELD_CHECK(reader.read_chunk(chunk, batch));
+    RAYFIELD_CHECK(reader.read_chunk(i * every, batch));
     return add(batch, worker);
   });
 }

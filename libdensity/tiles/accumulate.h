@@ -20,9 +20,11 @@ Result<void> check_cancelled(const Progress& progress);
 int chunk_workers(const tile::Store::TileReader& reader, int threads);
 
 /// Reads every chunk of a tile once and passes it on, from up to `workers` workers (0 ≤ worker < workers). Asks before
-/// every chunk whether to stop. Errors: those of the reader and of `add`; interrupted.
+/// every chunk whether to stop. `every`: only each n-th chunk, from the first on. Errors: those of the reader and of
+/// `add`; interrupted.
 Result<void> for_chunks(const tile::Store::TileReader& reader, int workers, const Progress& progress,
-                        const std::function<Result<void>(const tile::SegmentBatch& segments, int worker)>& add);
+                        const std::function<Result<void>(const tile::SegmentBatch& segments, int worker)>& add,
+                        std::size_t every = 1);
 
 /// Calls what returns nothing or a Result<void>.
 template <class Call>
@@ -40,7 +42,7 @@ Result<void> as_result(Call&& call) {
 /// the sum is the same at any number of threads.
 template <class Accumulator, class Add>
 Result<Accumulator> accumulate_tile(const tile::Store::TileReader& reader, Accumulator empty, int threads,
-                                    const Progress& progress, const Add& add) {
+                                    const Progress& progress, const Add& add, std::size_t every = 1) {
   const int workers = chunk_workers(reader, threads);
   std::vector<Accumulator> parts;
   parts.reserve(static_cast<std::size_t>(workers));
@@ -48,7 +50,7 @@ Result<Accumulator> accumulate_tile(const tile::Store::TileReader& reader, Accum
   parts.push_back(std::move(empty));
   RAYFIELD_CHECK(for_chunks(reader, workers, progress, [&](const tile::SegmentBatch& segments, int worker) {
     return as_result([&] { return add(parts[worker], segments); });
-  }));
+  }, every));
   for (std::size_t part = 1; part < parts.size(); ++part)
     RAYFIELD_CHECK(as_result([&] { return parts[0].merge(parts[part]); }));
   return std::move(parts[0]);

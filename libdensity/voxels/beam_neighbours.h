@@ -25,10 +25,12 @@ class BeamNeighbours {
     double time_s = 0;
     bool on_leaf = false;
   };
+  using Squares = Eigen::Array<float, kRays, 1>;
   std::size_t last() const { return (next_ + kRays - 1) % kRays; }
 
   Eigen::Matrix<float, kRays, 3> directions_ = Eigen::Matrix<float, kRays, 3>::Zero();  // in a ring, as rays_
   std::vector<Ray> rays_ = std::vector<Ray>(kRays);
+  std::size_t on_leaf_ = 0;  // of them
   std::size_t next_ = 0;
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,14 +19,13 @@ struct DirectionCounters {
   static constexpr std::array<double, kWidths> kWidth_m{0.016, 0.023, 0.029, 0.035, 0.041, 0.048, 0.057, 0.072};
   static constexpr double kPathUnit = 1.0 / (1 << 13);
 
+  /// Of the bins [width · kSteepness + steepness].
   std::array<std::int64_t, kBins> path{};  ///< Σ length, voxel sides
   std::array<std::int64_t, kBins> hits{};  ///< number, or of beams that are not thin Σ intensity
 
-  static std::size_t bin_of(double sine, double width_m) {
-    const auto at = [](const auto& edges, double x) {
-      return static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), x) - edges.begin());
-    };
-    return at(kSineEdges, std::abs(sine)) * kWidths + at(kWidthEdges_m, width_m);
+  static std::size_t steepness_of(double sine) { return count_up_to(kSineEdges, std::abs(sine)); }
+  static std::size_t bin_of(std::size_t steepness, double width_m) {
+    return count_up_to(kWidthEdges_m, width_m) * kSteepness + steepness;
   }
   void add_path(std::size_t bin, double sides) { path[bin] += std::llrint(sides * (1 / kPathUnit)); }
   DirectionCounters& operator+=(const DirectionCounters& other) {
@@ -35,6 +33,14 @@ struct DirectionCounters {
     return *this;
   }
   bool operator==(const DirectionCounters&) const = default;
+
+ private:
+  template <std::size_t N>
+  static std::size_t count_up_to(const std::array<double, N>& edges, double x) {
+    std::size_t count = 0;
+    for (const double edge : edges) count += edge <= x ? 1 : 0;
+    return count;
+  }
 };
 
 }  // namespace rayfield::density

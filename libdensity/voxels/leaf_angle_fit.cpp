@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "libdensity/voxels/leaf_angle.h"
 
 namespace rayfield::density {
 namespace {
 
-using Bins = std::array<double, DirectionCounters::kBins>;
+using ByRatio = Eigen::Array<double, DirectionLikelihood::kRatios, 1>;
 
 constexpr double kEnoughHits = 5000;
 constexpr std::size_t kEnoughParts = 4;
@@ -20,22 +21,23 @@ constexpr double kSurelyFlatter = 0.3, kCountsWhole = 0.7;
 
 double ln_ratio_of(int i) { return DirectionLikelihood::kFirstLnRatio + i * DirectionLikelihood::kLnRatioStep; }
 
-/// ln of what a unit of path meets in each bin, up to a factor, by ratio and loss.
+/// What a unit of path meets, up to a factor: the product of `projection` for its steepness, by ratio, and `returned`
+/// for its width, by loss.
 struct Meetings {
-  std::array<std::array<double, DirectionCounters::kSteepness>, DirectionLikelihood::kRatios> projection;
+  std::array<ByRatio, DirectionCounters::kSteepness> projection;
   std::array<std::array<double, DirectionCounters::kWidths>, DirectionLikelihood::kLosses> returned;
 };
 
 Meetings make_meetings() {
   Meetings out{};
-  for (int r = 0; r < DirectionLikelihood::kRatios; ++r)
-    for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
-      out.projection[static_cast<std::size_t>(r)][k] =
+  for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
+    for (int r = 0; r < DirectionLikelihood::kRatios; ++r)
+      out.projection[k](r) =
           leaf_projection({LeafAngleType::ellipsoidal, std::exp(ln_ratio_of(r))}, DirectionCounters::kSine[k]);
   for (int l = 0; l < DirectionLikelihood::kLosses; ++l)
-    for (std::size_t k = 0; k < DirectionCounters::kWidths; ++k)
-      out.returned[static_cast<std::size_t>(l)][k] =
-          std::exp(-l * DirectionLikelihood::kLossStepPerM * DirectionCounters::kWidth_m[k]);
+    for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w)
+      out.returned[static_cast<std::size_t>(l)][w] =
+          std::exp(-l * DirectionLikelihood::kLossStepPerM * DirectionCounters::kWidth_m[w]);
   return out;
 }
 
@@ -52,61 +54,74 @@ double vertex(double before, double middle, double after) {
 
 }  // namespace
 
-void DirectionLikelihood::add(const DirectionCounters& voxel, double full_echo) {
-  std::array<std::size_t, DirectionCounters::kBins> used{};
-  std::size_t count = 0;
-  Bins path{}, hits{};
-  double all = 0;
-  for (std::size_t i = 0; i < DirectionCounters::kBins; ++i) {
-    if (voxel.path[i] <= 0) continue;
-    path[i] = DirectionCounters::kPathUnit * static_cast<double>(voxel.path[i]);
-    hits[i] = static_cast<double>(voxel.hits[i]) / full_echo;
-    all += hits[i];
-    used[count++] = i;
-  }
-  if (!(all > 0) || count < 2) return;
-  hits_ += all;
+std::array<ByRatio, DirectionLikelihood::kLosses> DirectionLikelihood::zeros() {
+  std::array<ByRatio, kLosses> out;
+  out.fill(ByRatio::Zero());
+  return out;
+}
+
+void DirectionLikelihood::add(const DirectionCounters& voxel) {
   const Meetings& m = meetings();
-  for (std::size_t r = 0; r < kRatios; ++r)
-    for (std::size_t l = 0; l < kLosses; ++l) {
-      double met = 0, ln = 0;
-      for (std::size_t n = 0; n < count; ++n) {
-        const std::size_t i = used[n];
-        const double g =
-            m.projection[r][i / DirectionCounters::kWidths] * m.returned[l][i % DirectionCounters::kWidths];
-        met += path[i] * g;
-        if (hits[i] > 0) ln += hits[i] * std::log(g);
-      }
-      ln_[r][l] += ln - all * std::log(met);
+  std::int64_t hits = 0;
+  int bins = 0;
+  std::array<ByRatio, DirectionCounters::kWidths> met;  // without loss
+  std::array<std::size_t, DirectionCounters::kWidths> widths{};
+  std::size_t width_count = 0;
+  for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w) {
+    ByRatio sum = ByRatio::Zero();
+    const int before = bins;
+    for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k) {
+      const std::size_t bin = w * DirectionCounters::kSteepness + k;
+      if (voxel.path[bin] <= 0) continue;
+      sum += DirectionCounters::kPathUnit * static_cast<double>(voxel.path[bin]) * m.projection[k];
+      hits += voxel.hits[bin], ++bins;
     }
+    if (bins > before) met[w] = sum, widths[width_count++] = w;
+  }
+  if (hits <= 0 || bins < 2) return;
+  const double unit = 1 / full_echo_.value_or(1);
+  for (std::size_t i = 0; i < DirectionCounters::kBins; ++i)
+    if (voxel.path[i] > 0) hits_[i] += unit * static_cast<double>(voxel.hits[i]);
+  for (std::size_t l = 0; l < static_cast<std::size_t>(losses()); ++l) {
+    ByRatio sum = ByRatio::Zero();
+    for (std::size_t n = 0; n < width_count; ++n) sum += m.returned[l][widths[n]] * met[widths[n]];
+    hits_ln_met_[l] += unit * static_cast<double>(hits) * sum.log();
+  }
 }
 
 DirectionLikelihood& DirectionLikelihood::operator+=(const DirectionLikelihood& other) {
-  hits_ += other.hits_;
-  for (std::size_t r = 0; r < kRatios; ++r)
-    for (std::size_t l = 0; l < kLosses; ++l) ln_[r][l] += other.ln_[r][l];
+  for (std::size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
+  for (std::size_t l = 0; l < kLosses; ++l) hits_ln_met_[l] += other.hits_ln_met_[l];
   return *this;
 }
 
 DirectionLikelihood& DirectionLikelihood::operator-=(const DirectionLikelihood& other) {
-  hits_ -= other.hits_;
-  for (std::size_t r = 0; r < kRatios; ++r)
-    for (std::size_t l = 0; l < kLosses; ++l) ln_[r][l] -= other.ln_[r][l];
+  for (std::size_t i = 0; i < hits_.size(); ++i) hits_[i] -= other.hits_[i];
+  for (std::size_t l = 0; l < kLosses; ++l) hits_ln_met_[l] -= other.hits_ln_met_[l];
   return *this;
 }
 
-double DirectionLikelihood::at(int ratio, bool wide) const {
-  const auto& of_loss = ln_[static_cast<std::size_t>(ratio)];
-  if (!wide) return of_loss[0];
-  const auto best = static_cast<std::size_t>(std::max_element(of_loss.begin(), of_loss.end()) - of_loss.begin());
-  if (best == 0 || best + 1 == of_loss.size()) return of_loss[best];
-  const double step = vertex(of_loss[best - 1], of_loss[best], of_loss[best + 1]);
-  return of_loss[best] + 0.25 * step * (of_loss[best + 1] - of_loss[best - 1]);
+double DirectionLikelihood::hits() const { return std::accumulate(hits_.begin(), hits_.end(), 0.0); }
+
+double DirectionLikelihood::at(int ratio) const {
+  const Meetings& m = meetings();
+  std::array<double, kLosses> ln{};
+  for (std::size_t l = 0; l < static_cast<std::size_t>(losses()); ++l) {
+    ln[l] = -hits_ln_met_[l](ratio);
+    for (std::size_t i = 0; i < hits_.size(); ++i)
+      ln[l] += hits_[i] * std::log(m.projection[i % DirectionCounters::kSteepness](ratio) *
+                                   m.returned[l][i / DirectionCounters::kSteepness]);
+  }
+  if (!full_echo_) return ln[0];
+  const auto best = static_cast<std::size_t>(std::max_element(ln.begin(), ln.end()) - ln.begin());
+  if (best == 0 || best + 1 == ln.size()) return ln[best];
+  const double step = vertex(ln[best - 1], ln[best], ln[best + 1]);
+  return ln[best] + 0.25 * step * (ln[best + 1] - ln[best - 1]);
 }
 
-std::optional<double> DirectionLikelihood::ln_ratio(bool wide) const {
+std::optional<double> DirectionLikelihood::ln_ratio() const {
   std::array<double, kRatios> ln{};
-  for (int r = 0; r < kRatios; ++r) ln[static_cast<std::size_t>(r)] = at(r, wide);
+  for (int r = 0; r < kRatios; ++r) ln[static_cast<std::size_t>(r)] = at(r);
   const auto best = static_cast<int>(std::max_element(ln.begin(), ln.end()) - ln.begin());
   if (best == 0 || best + 1 == kRatios) return std::nullopt;
   const auto i = static_cast<std::size_t>(best);
@@ -120,20 +135,22 @@ LeafAngles LeafAngleFit::angles() const {
   return {LeafAngleType::ellipsoidal, std::exp(share * flatter)};
 }
 
-LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, bool wide) {
-  DirectionLikelihood all;
+LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts) {
   std::vector<const DirectionLikelihood*> used;
   for (const DirectionLikelihood& part : parts)
-    if (part.hits() > 0) all += part, used.push_back(&part);
+    if (part.hits() > 0) used.push_back(&part);
+  if (used.size() < kEnoughParts) return {};
+  DirectionLikelihood all = *used.front();
+  for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
   LeafAngleFit fit;
-  const std::optional<double> whole = all.ln_ratio(wide);
-  if (!whole || all.hits() < kEnoughHits || used.size() < kEnoughParts) return fit;
+  const std::optional<double> whole = all.ln_ratio();
+  if (!whole || all.hits() < kEnoughHits) return fit;
   fit.ln_ratio = *whole;
   double sum = 0, squares = 0;
   for (const DirectionLikelihood* part : used) {
     DirectionLikelihood others = all;
     others -= *part;
-    const std::optional<double> without = others.ln_ratio(wide);
+    const std::optional<double> without = others.ln_ratio();
     if (!without) return fit;
     sum += *without, squares += *without * *without;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <span>
@@ -19,20 +20,26 @@ class DirectionLikelihood {
   static constexpr double kLnRatioStep = 0.2, kFirstLnRatio = -0.6;  ///< spherical leaves: 0
   static constexpr double kLossStepPerM = 6;
 
-  /// `full_echo`: intensity of a whole hit; 1 for thin beams, whose hits are counted.
-  void add(const DirectionCounters& voxel, double full_echo);
+  /// `full_echo`: intensity of a whole hit; nothing for thin beams, whose hits are counted, and which lose nothing.
+  explicit DirectionLikelihood(std::optional<double> full_echo = std::nullopt) : full_echo_(full_echo) {}
+  void add(const DirectionCounters& voxel);
   DirectionLikelihood& operator+=(const DirectionLikelihood& other);
   DirectionLikelihood& operator-=(const DirectionLikelihood& other);
 
-  double hits() const { return hits_; }
-  /// The most likely ln of the ratio; nothing where it lies at an end of what is looked at. `wide`: with the loss that
-  /// is most likely for it, else without loss.
-  std::optional<double> ln_ratio(bool wide) const;
+  double hits() const;
+  /// The most likely ln of the ratio, each with the loss that is most likely for it; nothing where it lies at an end of
+  /// what is looked at.
+  std::optional<double> ln_ratio() const;
 
  private:
-  double at(int ratio, bool wide) const;
-  double hits_ = 0;
-  std::array<std::array<double, kLosses>, kRatios> ln_{};
+  double at(int ratio) const;
+  int losses() const { return full_echo_ ? kLosses : 1; }
+
+  std::optional<double> full_echo_;
+  std::array<double, DirectionCounters::kBins> hits_{};
+  /// By loss: Σ hits of a voxel · ln of what its paths meet.
+  std::array<Eigen::Array<double, kRatios, 1>, kLosses> hits_ln_met_ = zeros();
+  static std::array<Eigen::Array<double, kRatios, 1>, kLosses> zeros();
 };
 
 /// What the hits of a scan say of its leaves' angles.
@@ -44,6 +51,6 @@ struct LeafAngleFit {
 };
 
 /// From parts of a scan that are independent of each other; errors from how they differ (jackknife).
-LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, bool wide);
+LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts);
 
 }  // namespace rayfield::density

@@ -9,52 +9,13 @@
 #include <utility>
 
 #include "libdensity/voxels/beam_neighbours.h"
+#include "libdensity/voxels/ray_gaps.h"
 #include "libdensity/voxels/tile_ground.h"
 #include "libdensity/voxels/voxel_index.h"
 #include "libdensity/voxels/voxel_traversal.h"
 
 namespace rayfield::density {
 namespace {
-
-/// Wood meets a ray in few places; further ones (a ray along a line of posts) are merged into the last.
-constexpr std::size_t kMaxGaps = 6;
-
-struct Piece {
-  double from, to;
-};
-
-/// What remains of a ray after masked wood is taken out.
-struct Gaps {
-  std::array<Piece, kMaxGaps> gaps{};
-  std::size_t count = 0;
-
-  /// Keeps the gaps in order of their beginning.
-  void insert(Piece gap) {
-    if (count == kMaxGaps) {
-      gaps[kMaxGaps - 1] = {std::min(gaps[kMaxGaps - 1].from, gap.from), std::max(gaps[kMaxGaps - 1].to, gap.to)};
-      return;
-    }
-    std::size_t at = count++;
-    for (; at > 0 && gaps[at - 1].from > gap.from; --at) gaps[at] = gaps[at - 1];
-    gaps[at] = gap;
-  }
-  bool covers(double t) const {
-    for (std::size_t i = 0; i < count; ++i)
-      if (gaps[i].from <= t && t <= gaps[i].to) return true;
-    return false;
-  }
-  /// The parts of 0…length outside the gaps, in order; returns how many.
-  std::size_t pieces(double length, std::array<Piece, kMaxGaps + 1>& out) const {
-    std::size_t n = 0;
-    double from = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (gaps[i].from > from) out[n++] = {from, gaps[i].from};
-      from = std::max(from, gaps[i].to);
-    }
-    if (from < length) out[n++] = {from, length};
-    return n;
-  }
-};
 
 /// Whether a place is among a share of all places, in squares of half a metre.
 bool is_kept(const Eigen::Vector2d& place, double share) {
@@ -179,9 +140,12 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   return VoxelAccumulator(geometry);
 }
 
-void VoxelAccumulator::keep_directions(std::size_t first, std::size_t count) {
-  for (std::size_t i = first; i < std::min(first + count, sums_.size()); ++i)
-    sums_[i].directions.assign(sums_[i].voxels.size(), {});
+void VoxelAccumulator::count_directions_only(std::size_t first, std::size_t count) {
+  counts_directions_ = true, counts_pairs_ = false;
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (first <= i && i < first + count) sums_[i].directions.assign(sums_[i].voxels.size(), {});
+    sums_[i].voxels = {}, sums_[i].echoes = {};
+  }
 }
 
 std::vector<std::size_t> VoxelAccumulator::voxel_counts() const {
@@ -219,7 +183,8 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         counted = meet(ray, mask);
         if (statistics != nullptr) add_echo(ray, counted);
       }
-      const auto beside = left_out || counted.on_wood ? std::nullopt : neighbours.on_leaf_beside(d, segments.time_s[i]);
+      const bool may_pair = counts_pairs_ && !left_out && !counted.on_wood;
+      const auto beside = may_pair ? neighbours.on_leaf_beside(d, segments.time_s[i]) : std::nullopt;
       if (beside) {
         const Eigen::Vector3d to_hit = segments.exit[*beside] - p;
         const double along = to_hit.dot(d), distance = (to_hit - along * d).norm();
@@ -230,7 +195,7 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         }
       }
     }
-    neighbours.add(i, d, segments.time_s[i], counted.hit);
+    if (counts_pairs_) neighbours.add(i, d, segments.time_s[i], counted.hit);
   }
 }
 
@@ -282,7 +247,7 @@ VoxelAccumulator::Counted VoxelAccumulator::locate_hit(const Ray& ray, std::vect
     for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0; bits &= bits - 1) {
       const std::size_t item = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
       if (item >= sums_.size()) {
-        Piece gap{};
+        Interval gap{};
         const WoodCylinder& wood = g.wood[item - sums_.size()];
         if (shell_interval(wood, g.options.wood_shell_m, ray.origin, ray.direction, gap.from, gap.to) &&
             gap.from <= ray.length && ray.length <= gap.to)
@@ -303,7 +268,7 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
   const Geometry& g = *geometry_;
   const auto segment_bits = sums_.size();
   Gaps gaps;
-  std::array<Piece, kMaxGaps + 1> pieces;
+  std::array<Interval, kMaxGaps + 1> pieces;
   std::size_t piece_count = 1;
   pieces[0] = {0, ray.length};
   Counted counted;
@@ -317,7 +282,7 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
         candidates_.push_back(item);
         continue;
       }
-      Piece gap{};
+      Interval gap{};
       if (!shell_interval(g.wood[item - segment_bits], g.options.wood_shell_m, ray.origin, ray.direction, gap.from,
                           gap.to) ||
           gap.to <= 0 || gap.from >= ray.length)
@@ -328,6 +293,7 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
     }
   }
   const double doubled_projection = 2 * g.projection(ray.direction.z());
+  const std::size_t steepness = DirectionCounters::steepness_of(ray.direction.z());
   std::array<RayPiece, kMaxGaps + 1> ray_pieces;
   for (std::size_t k = 0; k < piece_count; ++k)
     ray_pieces[k] = {pieces[k].from,
@@ -336,8 +302,12 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
                      ray.hit && pieces[k].to == ray.length,
                      k == 0,
                      ray.starts && pieces[k].from == 0,
-                     ray.direction.z()};
+                     steepness};
   const std::span<const RayPiece> whole(ray_pieces.data(), piece_count);
+  if (counts_directions_) {
+    count_directions(ray, whole, counted.on_wood);
+    return counted;
+  }
   if (g.view) {
     counted.hit = count_wide(ray, whole, counted.on_wood);
     return counted;
@@ -365,18 +335,36 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
   std::sort(met_.begin(), met_.end(),
             [](const Met& a, const Met& b) { return a.from != b.from ? a.from < b.from : a.item < b.item; });
   WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
-  const double passed = g.view->full_echo > 0 ? std::max(0.0, 1 - ray.intensity / g.view->full_echo) : 0;
   bool hit = false;
   for (const Met& met : met_) {
     RowSegmentVoxels& sums = sums_[met.item];
     for (const RayPiece& piece : pieces)
       if (traverse<true>(sums, met.g0, met.dg, piece, wide)) hit = true;
     if (end > ray.length)
-      add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false, ray.direction.z()},
-                 ray.intensity, passed, wide.width_at_origin_m + wide.divergence_rad * ray.length);
+      add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false}, ray.intensity);
     wide.depth_sides += (met.to - met.from) * doubled_projection / sums.row_segment.voxel_m;
   }
   return hit;
+}
+
+void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
+  const Geometry& g = *geometry_;
+  double end = ray.length, passed = 0;
+  WideRay wide{0, 0, 0, 1};
+  if (g.view) {
+    if (ray.hit && !on_wood) end += g.view->behind_m;
+    passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo);
+    wide = {g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+  }
+  const double width_m = wide.width_at_origin_m + wide.divergence_rad * ray.length;
+  for (const std::size_t item : candidates_) {
+    if (sums_[item].directions.empty()) continue;
+    const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
+    for (const RayPiece& piece : pieces) add_directions(sums_[item], g0, dg, piece, wide);
+    if (end > ray.length)
+      add_directions_behind(sums_[item], g0, dg, {ray.length, end, 0, false, false, false, pieces.front().steepness},
+                            passed, width_m);
+  }
 }
 
 Result<void> VoxelAccumulator::merge(const VoxelAccumulator& other) {

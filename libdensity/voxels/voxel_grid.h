@@ -71,7 +71,7 @@ struct RowSegmentVoxels {
                                        ///< the ends of the row segment) or start there; each ray once
   std::vector<VoxelCounters> voxels;   ///< [column·n_up + up]
   std::vector<EchoCounters> echoes;    ///< likewise, empty for thin beams
-  std::vector<DirectionCounters> directions;  ///< likewise, empty unless VoxelAccumulator::keep_directions() asks
+  std::vector<DirectionCounters> directions;  ///< likewise, empty but of count_directions_only()
 
   /// The voxels of a column from the bottom up; an empty span if they belong to another tile.
   /// Echoes likewise.
@@ -119,8 +119,11 @@ class VoxelAccumulator {
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
   /// fitted to it. With a BeamView the strength of the echoes, too, and the echoes themselves of a share of the places.
   void add_pairs(const tile::SegmentBatch& segments);
-  /// From here on add() counts RowSegmentVoxels::directions, too, of `count` row segments from the one at `first` on.
-  void keep_directions(std::size_t first, std::size_t count);
+  /// From here on add() does not count neighbouring beams, which takes time where several beams are sent at a time.
+  void leave_out_pairs() { counts_pairs_ = false; }
+  /// From here on add() counts RowSegmentVoxels::directions and nothing else, of `count` row segments from the one at
+  /// `first` on. Of beams that are not thin BeamView::full_echo has to be known.
+  void count_directions_only(std::size_t first, std::size_t count);
   /// Of the voxels of each row segment that has any in the tile.
   std::vector<std::size_t> voxel_counts() const;
   /// `share`: of the plan, whose echoes add_pairs() keeps for take_leaf_echoes().
@@ -164,6 +167,8 @@ class VoxelAccumulator {
   /// As count() of a beam that is not thin: the row segments of candidates_ in the ray's order, and the path behind its
   /// echo. Returns Counted::hit.
   bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
+  /// As count(), into the counters of directions.
+  void count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
   /// Into statistics_ and leaf_echoes_.
   void add_echo(const Ray& ray, const Counted& counted);
   /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_
@@ -177,6 +182,7 @@ class VoxelAccumulator {
   std::optional<EchoStatistics> statistics_;  // once add_pairs() is called with a view
   std::vector<LeafEcho> leaf_echoes_;
   double kept_share_ = 0;
+  bool counts_pairs_ = true, counts_directions_ = false;
   // Of one ray; kept for their memory. Row segments that it can meet, and those that it does.
   std::vector<std::size_t> candidates_;
   std::vector<Met> met_;

@@ -18,7 +18,7 @@ struct RayPiece {
   bool hit;                   ///< a surface at `to`
   bool first;                 ///< nothing of the segment lies before it
   bool starts;                ///< the ray itself starts at `from`
-  double sine = 0;            ///< of its elevation; for DirectionCounters
+  std::size_t steepness = 0;  ///< of the ray; for DirectionCounters
 };
 
 /// What of a beam belongs to its ray.
@@ -131,13 +131,6 @@ inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Ei
       hit_counted = true;
     }
     if (at.first && counts_entry) ++sums.entries[at.column];
-    if (!sums.directions.empty()) {
-      DirectionCounters& d = sums.directions[at.voxel];
-      const double width_m = Wide ? wide.width_at_origin_m + wide.divergence_rad * at.to : 0;
-      const std::size_t bin = DirectionCounters::bin_of(piece.sine, width_m);
-      d.add_path(bin, x);
-      if (hit_here) d.hits[bin] += Wide ? wide.intensity : 1;
-    }
     if constexpr (Wide) {
       EchoCounters& e = sums.echoes[at.voxel];
       const double middle = (at.from + at.to) / 2;
@@ -151,10 +144,9 @@ inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Ei
   return hit_counted;
 }
 
-/// Adds the path behind an echo: `piece` begins there. `passed`: the share of the beam that goes on, and `width_m`,
-/// both for DirectionCounters.
+/// Adds the path behind an echo: `piece` begins there.
 inline void add_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
-                       const RayPiece& piece, std::uint16_t intensity, double passed, double width_m) {
+                       const RayPiece& piece, std::uint16_t intensity) {
   const Shape3 shape = sums.row_segment.shape();
   const int n[3] = {shape.ni, shape.nj, shape.nk};
   GridChord chord{piece.from, piece.to, -1};
@@ -166,9 +158,39 @@ inline void add_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const 
     const std::int64_t path = EchoCounters::path_units(std::max(0.0, at.to - at.from) * to_units);
     e.behind += path;
     e.echo_behind += path * intensity;
-    if (!sums.directions.empty())
-      sums.directions[at.voxel].add_path(DirectionCounters::bin_of(piece.sine, width_m),
-                                         passed * std::max(0.0, at.to - at.from) / sums.row_segment.voxel_m);
+  });
+}
+
+/// As traverse(), but into the DirectionCounters. `wide`: of thin beams 0 wide, with hits of intensity 1.
+inline void add_directions(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                           const RayPiece& piece, const WideRay& wide) {
+  const Shape3 shape = sums.row_segment.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
+  GridChord chord{piece.from, piece.to, -1};
+  if (!clip_to_grid(n, g0, dg, chord)) return;
+  const bool hit_inside = piece.hit && chord.to == piece.to;
+  const double to_voxels = 1 / sums.row_segment.voxel_m;
+  walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
+    if (at.column < 0) return;
+    DirectionCounters& d = sums.directions[at.voxel];
+    const double width_m = wide.width_at_origin_m + wide.divergence_rad * at.to;
+    const std::size_t bin = DirectionCounters::bin_of(piece.steepness, width_m);
+    d.add_path(bin, std::max(0.0, at.to - at.from) * to_voxels);
+    if (at.last && hit_inside) d.hits[bin] += wide.intensity;
+  });
+}
+
+/// Likewise the path behind an echo, of which `passed` is the share of the beam that goes on.
+inline void add_directions_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
+                                  const RayPiece& piece, double passed, double width_m) {
+  const Shape3 shape = sums.row_segment.shape();
+  const int n[3] = {shape.ni, shape.nj, shape.nk};
+  GridChord chord{piece.from, piece.to, -1};
+  if (!clip_to_grid(n, g0, dg, chord)) return;
+  const std::size_t bin = DirectionCounters::bin_of(piece.steepness, width_m);
+  const double to_voxels = passed / sums.row_segment.voxel_m;
+  walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
+    if (at.column >= 0) sums.directions[at.voxel].add_path(bin, std::max(0.0, at.to - at.from) * to_voxels);
   });
 }
 

@@ -54,7 +54,9 @@ TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {
   const auto from_mean = estimate_echo_model(statistics, lidar(0.03));
   for (int i = 0; i < 400; ++i) {
     const auto cosine = static_cast<float>(0.6 + 0.001 * i);
-    statistics.add_full_echoes(std::vector{FullEcho{static_cast<std::uint16_t>(kFull), 0.01F, cosine, cosine, cosine}});
+    FullEcho full{static_cast<std::uint16_t>(kFull), 0.01F, cosine};
+    full.half_cosine.fill({cosine, cosine});
+    statistics.add_full_echoes(std::vector{full});
   }
   const auto model = estimate_echo_model(statistics, lidar(0.03));
   EXPECT_NEAR(model->full_echo, kFull, 0.02 * kFull);  // the mean echo alone says less

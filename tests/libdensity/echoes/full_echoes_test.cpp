@@ -44,8 +44,8 @@ TEST(FullEchoes, TellTheAngleOfTheLeaf) {
   double sum = 0, first = 0, second = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
     for (const FullEcho& e : find_full_echoes(leaf(0.12, 0.7, seed)))
-      sum += static_cast<double>(e.cosine), first += static_cast<double>(e.first_cosine),
-          second += static_cast<double>(e.second_cosine), ++count;
+      sum += static_cast<double>(e.cosine), first += static_cast<double>(e.half_cosine[0][0]),
+          second += static_cast<double>(e.half_cosine[0][1]), ++count;
   ASSERT_GT(count, 100);
   EXPECT_NEAR(sum / count, std::cos(0.7), 0.03);
   EXPECT_NEAR(first / count, std::cos(0.7), 0.05);

@@ -17,14 +17,14 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
                                           double full_echo = 1) {
   std::mt19937_64 engine(7);
   std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<DirectionLikelihood> parts(8);
+  std::vector<DirectionLikelihood> parts(8, DirectionLikelihood(wide ? std::optional(full_echo) : std::nullopt));
   for (int v = 0; v < voxels; ++v) {
     const double density = 0.2 + 0.8 * uniform(engine);
     DirectionCounters voxel;
     for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
       for (std::size_t w = 0; w < (wide ? DirectionCounters::kWidths : 1); ++w) {
         if (uniform(engine) < 0.4) continue;
-        const std::size_t bin = k * DirectionCounters::kWidths + w;
+        const std::size_t bin = w * DirectionCounters::kSteepness + k;
         const double path = 40 * uniform(engine);
         const double met = path * density *
                            leaf_projection({LeafAngleType::ellipsoidal, ratio}, DirectionCounters::kSine[k]) *
@@ -32,25 +32,28 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
         voxel.add_path(bin, path);
         voxel.hits[bin] = std::llrint(full_echo) * std::poisson_distribution<long>(met)(engine);
       }
-    parts[static_cast<std::size_t>(v) % parts.size()].add(voxel, full_echo);
+    parts[static_cast<std::size_t>(v) % parts.size()].add(voxel);
   }
   return parts;
 }
 
 TEST(DirectionCounters, BinsGoBySteepnessUpAndDownAndByWidth) {
-  EXPECT_EQ(DirectionCounters::bin_of(0.05, 0), 0U);
-  EXPECT_EQ(DirectionCounters::bin_of(-0.25, 0), 2 * DirectionCounters::kWidths);
-  EXPECT_EQ(DirectionCounters::bin_of(0.99, 0.5), DirectionCounters::kBins - 1);
+  const auto bin_of = [](double sine, double width_m) {
+    return DirectionCounters::bin_of(DirectionCounters::steepness_of(sine), width_m);
+  };
+  EXPECT_EQ(bin_of(0.05, 0), 0U);
+  EXPECT_EQ(bin_of(-0.25, 0), 2U);
+  EXPECT_EQ(bin_of(0.99, 0.5), DirectionCounters::kBins - 1);
   for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
     for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w)
-      EXPECT_EQ(DirectionCounters::bin_of(DirectionCounters::kSine[k], DirectionCounters::kWidth_m[w]),
-                k * DirectionCounters::kWidths + w);
+      EXPECT_EQ(bin_of(DirectionCounters::kSine[k], DirectionCounters::kWidth_m[w]),
+                w * DirectionCounters::kSteepness + k);
 }
 
 // Errors are about those of Poisson hits here: 0.02 to 0.06.
 TEST(LeafAngleFit, DirectionsOfHitsTellTheRatioOfTheEllipsoid) {
   for (const double ratio : {0.8, 1.0, 2.0, 3.5}) {
-    const LeafAngleFit fit = fit_leaf_angles(parts_of(ratio, 0, false), false);
+    const LeafAngleFit fit = fit_leaf_angles(parts_of(ratio, 0, false));
     ASSERT_TRUE(fit.measured) << ratio;
     EXPECT_LT(fit.error, 0.15) << ratio;
     EXPECT_NEAR(fit.ln_ratio, std::log(ratio), 3 * fit.error + 0.02) << ratio;
@@ -60,17 +63,17 @@ TEST(LeafAngleFit, DirectionsOfHitsTellTheRatioOfTheEllipsoid) {
 TEST(LeafAngleFit, WhatWideBeamsLoseIsNotTakenForAngles) {
   for (const double ratio : {1.0, 3.0}) {
     const std::vector<DirectionLikelihood> parts = parts_of(ratio, 20, true, 1500, 105);
-    const LeafAngleFit fit = fit_leaf_angles(parts, true);
+    const LeafAngleFit fit = fit_leaf_angles(parts);
     ASSERT_TRUE(fit.measured) << ratio;
     EXPECT_NEAR(fit.ln_ratio, std::log(ratio), 3 * fit.error + 0.02) << ratio;
   }
 }
 
 TEST(LeafAngleFit, FewHitsOrFewPartsTellNothing) {
-  EXPECT_FALSE(fit_leaf_angles({}, false).measured);
-  EXPECT_FALSE(fit_leaf_angles(parts_of(3, 0, false, 60), false).measured);
+  EXPECT_FALSE(fit_leaf_angles({}).measured);
+  EXPECT_FALSE(fit_leaf_angles(parts_of(3, 0, false, 60)).measured);
   const std::vector<DirectionLikelihood> parts = parts_of(3, 0, false);
-  EXPECT_FALSE(fit_leaf_angles(std::span(parts).first(3), false).measured);
+  EXPECT_FALSE(fit_leaf_angles(std::span(parts).first(3)).measured);
   EXPECT_EQ(LeafAngleFit{}.angles().type, LeafAngleType::spherical);
 }
 
@@ -78,7 +81,7 @@ TEST(LeafAngleFit, PartsThatDisagreeTellNothing) {
   std::vector<DirectionLikelihood> parts = parts_of(0.7, 0, false), flat = parts_of(6, 0, false, 9000);
   for (std::size_t i = 0; i + 1 < parts.size(); ++i) parts[i] = parts[7];
   parts[0] = flat[0];
-  EXPECT_FALSE(fit_leaf_angles(parts, false).measured);
+  EXPECT_FALSE(fit_leaf_angles(parts).measured);
 }
 
 TEST(LeafAngleFit, LeavesAreSphericalUnlessTheyAreClearlyFlatter) {
