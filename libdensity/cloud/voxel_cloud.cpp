@@ -14,6 +14,7 @@
 #include "libdensity/scan/estimation.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_leaf_angles.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/voxels/row_segment_arrays.h"
@@ -79,7 +80,9 @@ struct VoxelCloud::Impl {
 Result<void> VoxelCloud::Impl::estimate(Progress& progress) {
   const ProcessOptions process = process_options();
   RAYFIELD_ASSIGN(const RowSegmentList list, read_row_segments(store, scan));
-  RAYFIELD_ASSIGN(const std::optional<EchoModel> echoes, read_echoes(store, scan));
+  RAYFIELD_ASSIGN(std::optional<EchoModel> echoes, read_echoes(store, scan));
+  RAYFIELD_ASSIGN(const LeafAngleFit leaf_angles, read_leaf_angles(store, scan));
+  if (echoes) echoes = with_mean_cosine(*echoes, leaf_angles.mean_cosine);
   RAYFIELD_ASSIGN(RowVoxels counters, open_voxels(store, scan, ProcessMemory(process).tiles_bytes));
   std::set<int> numbers;
   for (const RowSegment& s : list.row_segments)

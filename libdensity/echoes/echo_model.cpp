@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libdensity/echoes/echo_loss.h"
+#include "libdensity/echoes/full_echoes.h"
 
 namespace rayfield::density {
 namespace {
@@ -22,6 +23,7 @@ constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
 constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
 constexpr double kSeveralBeamsResolutionPath = 0.6;
 constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
+constexpr double kWeakestFullEcho = 0.5;              // of leaves turned somehow, over that of leaves turned at random
 constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
 
 using Bins = std::array<EchoStatistics::Sum, EchoStatistics::kWidthBins>;
@@ -122,11 +124,21 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
     const double weight = 1 / (error * error), mean_weight = 1 / (kMeanError * kMeanError);
     model.full_echo = (weight * full.intensity + mean_weight * model.full_echo) / (weight + mean_weight);
     model.full_echo_error = 1 / std::sqrt(weight + mean_weight);
+    model.full_echo_per_cosine = weight / (weight + mean_weight) * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
 
 }  // namespace
+
+EchoModel with_mean_cosine(EchoModel model, double mean_cosine) {
+  const double before = model.full_echo;
+  model.full_echo += model.full_echo_per_cosine * (mean_cosine - kSphericalMeanCosine);
+  model.full_echo = std::max(kWeakestFullEcho * before, model.full_echo);
+  if (!model.beam.detection_share)
+    model.detection_share = std::min(1.0, model.detection_share * before / model.full_echo);
+  return model;
+}
 
 bool sends_one_beam(const EchoStatistics& statistics) {
   return static_cast<double>(statistics.previous_beside()) >

@@ -24,7 +24,12 @@ struct EchoModel {
   /// Of lidars with several beams at a time: optical path of a range resolution around echoes, with which a table says
   /// what is lost (ReturnedShare). 0: one beam at a time, what is lost follows from `lost_share`.
   double resolution_path = 0;
+  /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
+  double full_echo_per_cosine = 0;
 };
+
+/// The model of leaves that are not turned at random: its full echo is that of rays that meet them at `mean_cosine`.
+EchoModel with_mean_cosine(EchoModel model, double mean_cosine);
 
 /// What is known beforehand.
 struct EchoKnowledge {

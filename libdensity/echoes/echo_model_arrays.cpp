@@ -10,9 +10,9 @@ namespace {
 constexpr const char* kColumn = "model";
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,       m.full_echo_error, m.detection_share,    m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
-          m.echo_variation,  m.mean_width_m,    m.range_resolution_m, m.beam.diameter_m, m.beam.divergence_rad,
-          m.resolution_path, m.lost_share};
+  return {m.full_echo,       m.full_echo_error, m.detection_share,     m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
+          m.echo_variation,  m.mean_width_m,    m.range_resolution_m,  m.beam.diameter_m, m.beam.divergence_rad,
+          m.resolution_path, m.lost_share,      m.full_echo_per_cosine};
 }
 
 }  // namespace
@@ -30,14 +30,17 @@ tile::ArraySet arrays_from_echo_model(const std::optional<EchoModel>& model) {
 Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
-  constexpr std::size_t kOldest = 10;  // before version 3 without a resolution path, before version 4 a lost share
+  constexpr std::size_t kOldest =
+      10;  // the resolution path came with version 3, the lost share with 4, the last with 6
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
-  for (const double x : f)
-    if (!std::isfinite(x) || x < 0) return damaged(arrays, "the model has values that cannot be");
+  for (std::size_t i = 0; i < f.size(); ++i)
+    if (!std::isfinite(f[i]) || (i < kOldest + 2 && f[i] < 0))
+      return damaged(arrays, "the model has values that cannot be");
   EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
   if (f.size() > kOldest) m.resolution_path = f[kOldest];
   if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
+  if (f.size() > kOldest + 2) m.full_echo_per_cosine = f[kOldest + 2];
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }

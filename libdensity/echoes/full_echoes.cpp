@@ -15,15 +15,15 @@ namespace rayfield::density {
 namespace {
 
 // Chosen on 24 simulated scans and two of block_b (docs/beams.md).
-constexpr double kNarrowestM = 0.025;              // narrower beams are taken for such: rays are not so close
-constexpr double kRingFrom = 0.8, kRingTo = 1.5;   // diameters of the beam from its axis: where others must have ended
-constexpr double kInside = 1.0;                    // and how far out none may have ended elsewhere
-constexpr int kSectors = 6;                        // of the ring, each with an echo
-constexpr double kFlatM = 0.02;                    // rms of the echoes from their plane, ranges' noise included
-constexpr double kOffPlaneM = 0.03;                // farther from it is elsewhere
-constexpr double kStartM = 0.06;                   // along the beam: for the plane
-constexpr float kNearbyM = 0.15F;                  // and what is looked at at all
-constexpr float kSameDirection = 0.97F;            // cosine: 14°
+constexpr double kNarrowestM = 0.025;             // narrower beams are taken for such: rays are not so close
+constexpr double kRingFrom = 0.8, kRingTo = 1.5;  // diameters of the beam from its axis: where others must have ended
+constexpr double kInside = 1.0;                   // and how far out none may have ended elsewhere
+constexpr int kSectors = 6;                       // of the ring, each with an echo
+constexpr double kFlatM = 0.02;                   // rms of the echoes from their plane, ranges' noise included
+constexpr double kOffPlaneM = 0.03;               // farther from it is elsewhere
+constexpr double kStartM = 0.06;                  // along the beam: for the plane
+constexpr float kNearbyM = 0.15F;                 // and what is looked at at all
+constexpr float kSameDirection = 0.97F;           // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
 constexpr float kColumnM = 0.08F;  // side
 constexpr float kSlack = 1.001F;   // of distances that are only to leave out what is farther away
@@ -85,8 +85,8 @@ class EchoColumns {
   std::vector<Column> columns_;
 };
 
-/// Every other echo in the order of their places, every other two, and the odd ones of the one with the even ones of the
-/// other: no two of these ways to divide have more than half of a half in common.
+/// Every other echo in the order of their places, every other two, and the odd ones of the one with the even ones of
+/// the other: no two of these ways to divide have more than half of a half in common.
 std::size_t halves_of(std::size_t number) {
   const std::size_t one = number & 1, two = number >> 1 & 1;
   return one | two << 1 | (one ^ two) << 2;
@@ -272,9 +272,8 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
     out.slope = (weight * measured + prior_weight * prior.slope) / (weight + prior_weight);
     slope_error = 1 / std::sqrt(weight + prior_weight);
   }
-  constexpr double kMeanCosine = 2.0 / 3;
-  const double step = kMeanCosine - cosine;
-  out.intensity = middle * (1 + out.slope * step);
+  const double step = kSphericalMeanCosine - cosine;
+  out.intensity = middle * (1 + out.slope * step), out.per_cosine = middle * out.slope;
   out.error = std::hypot(median_error, slope_error * step);
   return out;
 }

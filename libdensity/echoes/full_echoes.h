@@ -10,6 +10,9 @@
 
 namespace rayfield::density {
 
+/// Mean cosine of the angle between rays and the normals of leaves that they meet, of leaves turned at random.
+inline constexpr double kSphericalMeanCosine = 2.0 / 3;
+
 /// An echo on a leaf.
 struct LeafEcho {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();   ///< from any fixed point nearby, m
@@ -37,10 +40,11 @@ std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all);
 
 /// What full echoes tell.
 struct FullEchoStrength {
-  double intensity = 0;   ///< of an echo of leaves that take the whole beam, in the mean over the angles at which rays
-                          ///< meet leaves
-  double error = 0;       ///< its relative standard error
-  double slope = 0;       ///< per unit of the cosine of the angle of incidence, relative
+  double intensity = 0;  ///< of an echo of leaves that take the whole beam, in the mean over the angles at which rays
+                         ///< meet leaves
+  double error = 0;      ///< its relative standard error
+  double slope = 0;  ///< per unit of the cosine of the angle of incidence, relative to the median of the full echoes
+  double per_cosine = 0;  ///< the same, in units of intensity
   std::size_t count = 0;  ///< of full echoes that count
 };
 
@@ -54,8 +58,8 @@ struct AngleDependence {
 /// do not reach), so that bundles of canes are left out: their median, moved from their mean cosine to ⅔, that of rays
 /// that meet leaves of all orientations (hits go with the cosine). The slope on the way: difference of the medians of
 /// the full echoes on either side of the median of one half's cosine, over that of the means of the other half's (an
-/// instrument: errors of the angle do not make the slope flatter), of all ways to divide, weighted with `prior` by their
-/// errors.
+/// instrument: errors of the angle do not make the slope flatter), of all ways to divide, weighted with `prior` by
+/// their errors.
 FullEchoStrength full_echo_strength(std::span<const FullEcho> echoes, const AngleDependence& prior);
 
 }  // namespace rayfield::density

@@ -49,6 +49,11 @@ void report_plants(ScanInWork& scan) {
   scan.report.voxel_m = scan.processed.voxel_m;
 }
 
+// The full echo goes with the angles at which rays meet leaves.
+void take_leaf_angles(ScanVoxels& voxels) {
+  if (voxels.echoes) voxels.echoes = with_mean_cosine(*voxels.echoes, voxels.leaf_angles.mean_cosine);
+}
+
 // Whether an earlier run has made all of the scan's plants. Reads next to nothing of it.
 Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   const tile::ScanEntry& entry = scan.work.scan;
@@ -58,6 +63,7 @@ Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   if (!processed) return false;
   RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
   RAYFIELD_ASSIGN(scan.voxels.leaf_angles, read_leaf_angles(scan.work.store, entry));
+  take_leaf_angles(scan.voxels);
   scan.layout = registry.layout_for(entry);
   scan.processed = *processed;
   report_plants(scan);
@@ -87,6 +93,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   if (!scan.voxels.echoes) view = nullptr;
   RAYFIELD_ASSIGN(scan.voxels.leaf_angles, measure_leaf_angles(work, layout, surveyed.ground, profile, scan.voxels.wood,
                                                                view, scan.voxels.echoes));
+  take_leaf_angles(scan.voxels);
   if (work.voxels.leaf_angles.type == LeafAngleType::measured)
     work.voxels.leaf_angles = scan.voxels.leaf_angles.angles();
   RAYFIELD_ASSIGN(const double voxel_m,

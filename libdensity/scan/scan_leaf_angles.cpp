@@ -111,8 +111,8 @@ Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelA
     VoxelAccumulator with_directions = empty;
     with_directions.count_directions_only(first, count);
     RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, with_directions));
-    RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(with_directions), workers, work.progress,
-                                                          add, every));
+    RAYFIELD_ASSIGN(VoxelAccumulator sum,
+                    accumulate_tile(reader, std::move(with_directions), workers, work.progress, add, every));
     const TileVoxels voxels = std::move(sum).finish();
     for (const RowSegmentVoxels& segment : voxels.row_segments) {
       const std::pair name(segment.row_segment.row, segment.row_segment.index);
@@ -135,7 +135,7 @@ Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<
                                  }));
   std::vector<DirectionLikelihood> parts;
   for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
-  return fit_leaf_angles(parts);
+  return fit_leaf_angles(parts, work.options.voxels.leaf_angles);
 }
 
 std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view) {
@@ -152,9 +152,13 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
 }
 
 Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
-  RAYFIELD_ASSIGN(const auto f, stored_column<double>(arrays, kColumn, 3));
+  RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
+  if (f.size() != 3 && f.size() != 4) return damaged(arrays, "the fit has another number of values");
   if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
-  return LeafAngleFit{f[0], f[1], f[2] != 0};
+  LeafAngleFit fit{f[0], f[1], f[2] != 0};
+  if (f.size() == 4) fit.mean_cosine = f[3];  // before version 2 taken for that of spherical leaves
+  if (!(fit.mean_cosine > 0 && fit.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
+  return fit;
 }
 
 }  // namespace
@@ -163,9 +167,8 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
                                          const CanopyProfile& profile, std::span<const WoodCylinder> wood,
                                          const std::shared_ptr<const BeamView>& view,
                                          const std::optional<EchoModel>& echoes) {
-  if (work.options.voxels.leaf_angles.type != LeafAngleType::measured ||
-      work.options.estimator.estimator == Estimator::paper || (!echoes && !has_thin_beam(work.scan)))
-    return LeafAngleFit{};
+  const bool measures = work.options.voxels.leaf_angles.type == LeafAngleType::measured && has_thin_beam(work.scan);
+  if (work.options.estimator.estimator == Estimator::paper || (!echoes && !measures)) return LeafAngleFit{};
   std::shared_ptr<const BeamView> with_echo;
   if (view && echoes) {
     auto copy = std::make_shared<BeamView>(*view);
@@ -176,7 +179,7 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     RAYFIELD_ASSIGN(const Sample sample, make_sample(work, layout, ground, profile));
     RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo));
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
-    arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio, fit.error, fit.measured ? 1.0 : 0.0};
+    arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio, fit.error, fit.measured ? 1.0 : 0.0, fit.mean_cosine};
     return arrays;
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo), make));

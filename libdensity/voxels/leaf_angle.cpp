@@ -73,6 +73,21 @@ double leaf_projection(const LeafAngles& angles, double cos_zenith) {
   return sum;
 }
 
+double mean_incidence_cosine(const LeafAngles& angles, double cos_zenith) {
+  const double step = kPi / 2 / kQuadraturePoints;
+  const bool ellipsoid = angles.type == LeafAngleType::ellipsoidal;
+  double squares = 0, sum = 0;  // of the cosine of the inclination, by a density without its constant
+  for (int i = 0; i < kQuadraturePoints; ++i) {
+    const double inclination = (i + 0.5) * step;
+    const double density = ellipsoid ? ellipsoid_shape(angles.ellipsoid_ratio, inclination)
+                                     : leaf_inclination_density(angles, inclination);
+    squares += std::cos(inclination) * std::cos(inclination) * density, sum += density;
+  }
+  const double upright = squares / sum;
+  const double up = cos_zenith * cos_zenith;
+  return (up * upright + (1 - up) * (1 - upright) / 2) / leaf_projection(angles, cos_zenith);
+}
+
 LeafProjectionTable::LeafProjectionTable(const LeafAngles& angles) {
   for (int i = 0; i <= kCells; ++i) values_[i] = leaf_projection(angles, static_cast<double>(i) / kCells);
 }

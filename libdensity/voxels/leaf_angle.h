@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "libdensity/echoes/full_echoes.h"
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"
 
@@ -13,6 +14,11 @@ double leaf_inclination_density(const LeafAngles& angles, double inclination_rad
 /// Projection function G(θ): mean area that one unit of one-sided leaf area shows to a ray of zenith angle θ
 /// (Ross 1981; numerically integrated, relative error < 1e-4). 0.5 for spherical leaves at any θ.
 double leaf_projection(const LeafAngles& angles, double cos_zenith);
+
+/// Mean cosine of the angle between rays of that zenith angle and the normals of the leaves that they meet: leaves are
+/// met in proportion to the cosine, so that it is that of its square over G(θ). kSphericalMeanCosine for spherical
+/// leaves at any θ.
+double mean_incidence_cosine(const LeafAngles& angles, double cos_zenith);
 
 /// leaf_projection() tabulated over |cos θ| with linear interpolation (error < 5e-4), for use once per ray.
 class LeafProjectionTable {

@@ -135,28 +135,40 @@ LeafAngles LeafAngleFit::angles() const {
   return {LeafAngleType::ellipsoidal, std::exp(share * flatter)};
 }
 
-LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts) {
-  std::vector<const DirectionLikelihood*> used;
-  for (const DirectionLikelihood& part : parts)
-    if (part.hits() > 0) used.push_back(&part);
-  if (used.size() < kEnoughParts) return {};
-  DirectionLikelihood all = *used.front();
-  for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
+namespace {
+
+/// Errors from how the parts differ (jackknife).
+LeafAngleFit fit_ratio(std::span<const DirectionLikelihood* const> parts, const DirectionLikelihood& all) {
   LeafAngleFit fit;
   const std::optional<double> whole = all.ln_ratio();
-  if (!whole || all.hits() < kEnoughHits) return fit;
+  if (!whole || all.hits() < kEnoughHits || parts.size() < kEnoughParts) return fit;
   fit.ln_ratio = *whole;
   double sum = 0, squares = 0;
-  for (const DirectionLikelihood* part : used) {
+  for (const DirectionLikelihood* part : parts) {
     DirectionLikelihood others = all;
     others -= *part;
     const std::optional<double> without = others.ln_ratio();
     if (!without) return fit;
     sum += *without, squares += *without * *without;
   }
-  const auto n = static_cast<double>(used.size());
+  const auto n = static_cast<double>(parts.size());
   fit.error = std::sqrt(std::max(0.0, (n - 1) / n * (squares - sum * sum / n)));
   fit.measured = fit.error <= kLargestError;
+  return fit;
+}
+
+}  // namespace
+
+LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const LeafAngles& angles) {
+  std::vector<const DirectionLikelihood*> used;
+  for (const DirectionLikelihood& part : parts)
+    if (part.hits() > 0) used.push_back(&part);
+  if (used.empty()) return {};
+  DirectionLikelihood all = *used.front();
+  for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
+  LeafAngleFit fit = angles.type == LeafAngleType::measured ? fit_ratio(used, all) : LeafAngleFit{};
+  const LeafAngles taken = angles.type == LeafAngleType::measured ? fit.angles() : angles;
+  fit.mean_cosine = all.mean_over_hits([&](double sine) { return mean_incidence_cosine(taken, sine); });
   return fit;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libdensity/voxels/direction_counters.h"
+#include "libdensity/voxels/leaf_angle.h"
 #include "rayfield/density/options.h"
 
 namespace rayfield::density {
@@ -27,6 +28,14 @@ class DirectionLikelihood {
   DirectionLikelihood& operator-=(const DirectionLikelihood& other);
 
   double hits() const;
+  /// Mean over the hits of what the function says for the sine of the ray's elevation.
+  template <class OfSine>
+  double mean_over_hits(OfSine of_sine) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < hits_.size(); ++i)
+      if (hits_[i] > 0) sum += hits_[i] * of_sine(DirectionCounters::kSine[i % DirectionCounters::kSteepness]);
+    return sum / hits();
+  }
   /// The most likely ln of the ratio, each with the loss that is most likely for it; nothing where it lies at an end of
   /// what is looked at.
   std::optional<double> ln_ratio() const;
@@ -46,11 +55,15 @@ class DirectionLikelihood {
 struct LeafAngleFit {
   double ln_ratio = 0, error = 0;  ///< of Campbell's ellipsoid, and its standard error
   bool measured = false;           ///< there are enough hits, and they agree
+  /// Of the angle between rays and the normals of the leaves that they met (mean_incidence_cosine()).
+  double mean_cosine = kSphericalMeanCosine;
   /// Leaves are taken for spherical unless they are clearly flatter.
   LeafAngles angles() const;
 };
 
 /// From parts of a scan that are independent of each other; errors from how they differ (jackknife).
-LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts);
+/// `angles`: those that the options say; of `measured` the fit's own are taken for `mean_cosine`.
+LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts,
+                             const LeafAngles& angles = {LeafAngleType::measured, 1});
 
 }  // namespace rayfield::density

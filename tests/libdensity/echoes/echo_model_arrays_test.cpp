@@ -8,12 +8,12 @@ namespace rayfield::density {
 namespace {
 
 // Each number another one, so that none can stand in another's place.
-EchoModel model_of(double lost_share, double resolution_path) {
+EchoModel model_of(double lost_share, double resolution_path, double per_cosine = 0) {
   EchoModel model;
   model.beam = {0.0136, 0.0119, {}};
   model.range_resolution_m = 0.15, model.full_echo = 106, model.full_echo_error = 0.04, model.detection_share = 0.25;
   model.leaf_size_m2 = 0.0078, model.leaf_measured = true, model.echo_variation = 0.2, model.mean_width_m = 0.041;
-  model.lost_share = lost_share, model.resolution_path = resolution_path;
+  model.lost_share = lost_share, model.resolution_path = resolution_path, model.full_echo_per_cosine = per_cosine;
   return model;
 }
 
@@ -30,10 +30,11 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.mean_width_m, b.mean_width_m);
   EXPECT_EQ(a.lost_share, b.lost_share);
   EXPECT_EQ(a.resolution_path, b.resolution_path);
+  EXPECT_EQ(a.full_echo_per_cosine, b.full_echo_per_cosine);
 }
 
 TEST(EchoModelArrays, GiveBackTheModelOfLidarsWithOneBeamAndWithSeveral) {
-  for (const EchoModel& model : {model_of(0.044, 0), model_of(0, 0.6)}) {
+  for (const EchoModel& model : {model_of(0.044, 0, 60), model_of(0.044, 0, -3), model_of(0, 0.6)}) {
     const auto read = echo_model_from_arrays(arrays_from_echo_model(model));
     ASSERT_TRUE(read) << read.error().line();
     ASSERT_TRUE(*read);
@@ -48,8 +49,11 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 }
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
-  std::vector<double> numbers = model_numbers(model_of(0.044, 0.6));
+  std::vector<double> numbers = model_numbers(model_of(0.044, 0.6, 60));
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   expect_same(**echo_model_from_arrays(arrays), model_of(0, 0.6));

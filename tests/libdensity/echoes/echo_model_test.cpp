@@ -63,6 +63,40 @@ TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {
   EXPECT_LT(model->full_echo_error, from_mean->full_echo_error);
 }
 
+// Leaves that lie flat are met at a smaller cosine by level rays, and their full echo is weaker.
+TEST(EchoModel, TheFullEchoGoesWithTheAnglesAtWhichRaysMeetLeaves) {
+  EchoModel model{.full_echo = 100, .detection_share = 0.2, .full_echo_per_cosine = 60};
+  EXPECT_NEAR(with_mean_cosine(model, 2.0 / 3).full_echo, 100, 1e-9);
+  const EchoModel flat = with_mean_cosine(model, 2.0 / 3 - 0.2);
+  EXPECT_NEAR(flat.full_echo, 88, 1e-9);
+  EXPECT_NEAR(flat.detection_share, 0.2 / 0.88, 1e-9);  // the weakest echo is as it was
+  model.beam.detection_share = 0.2;
+  EXPECT_EQ(with_mean_cosine(model, 2.0 / 3 - 0.2).detection_share, 0.2);
+  model.full_echo_per_cosine = 1000;
+  EXPECT_NEAR(with_mean_cosine(model, 0.4).full_echo, 50, 1e-9);
+}
+
+TEST(EchoModel, FullEchoesTellHowTheyGoWithTheAngle) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+  add_close_pairs(statistics);
+  for (int i = 0; i < 4000; ++i) {
+    const auto cosine = static_cast<float>(0.4 + 0.0001 * i);
+    FullEcho full{static_cast<std::uint16_t>(kFull * (0.3 + 0.7 * static_cast<double>(cosine))), 0.01F, cosine};
+    full.half_cosine.fill({cosine, cosine});
+    statistics.add_full_echoes(std::vector{full});
+  }
+  const auto model = estimate_echo_model(statistics, lidar(0.03));
+  EXPECT_NEAR(model->full_echo, kFull * (0.3 + 0.7 * 2 / 3), 0.03 * kFull);
+  EXPECT_NEAR(model->full_echo_per_cosine, 0.7 * kFull, 0.1 * kFull);
+}
+
+TEST(EchoModel, LidarsWithOneBeamAreToldByThePreviousBeam) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+  EXPECT_FALSE(sends_one_beam(statistics));
+  add_close_pairs(statistics);
+  EXPECT_TRUE(sends_one_beam(statistics));
+}
+
 TEST(EchoModel, FullEchoesOfLidarsWithSeveralBeamsDoNotCount) {
   EchoStatistics statistics = whole_leaves(0.03, 0.5);
   const auto before = estimate_echo_model(statistics, lidar(0.03));

@@ -84,6 +84,15 @@ TEST(LeafAngleFit, PartsThatDisagreeTellNothing) {
   EXPECT_FALSE(fit_leaf_angles(parts).measured);
 }
 
+TEST(LeafAngleFit, LevelRaysMeetFlatLeavesAtASmallCosine) {
+  EXPECT_NEAR(fit_leaf_angles(parts_of(1, 0, false)).mean_cosine, kSphericalMeanCosine, 1e-6);
+  EXPECT_LT(fit_leaf_angles(parts_of(3.5, 0, false)).mean_cosine, kSphericalMeanCosine - 0.05);
+  // As the options say, whatever the hits say.
+  const LeafAngles upright{LeafAngleType::erectophile, 1};
+  EXPECT_GT(fit_leaf_angles(parts_of(3.5, 0, false), upright).mean_cosine, kSphericalMeanCosine);
+  EXPECT_FALSE(fit_leaf_angles(parts_of(3.5, 0, false), upright).measured);
+}
+
 TEST(LeafAngleFit, LeavesAreSphericalUnlessTheyAreClearlyFlatter) {
   const auto ratio_of = [](double ln_ratio) {
     const LeafAngles angles = LeafAngleFit{ln_ratio, 0.05, true}.angles();

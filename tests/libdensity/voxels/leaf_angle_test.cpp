@@ -66,6 +66,19 @@ TEST(LeafAngles, FlatEllipsoidsShowMoreToVerticalRaysAsTheirGeometrySays) {
   EXPECT_NEAR(leaf_projection({LeafAngleType::ellipsoidal, chi}, 1), kPi * chi * chi / (surface / 2), 2e-3);
 }
 
+TEST(LeafAngles, TheMeanCosineOfHitsIsTwoThirdsForLeavesTurnedAtRandom) {
+  for (const double c : {0.0, 0.3, -0.7, 1.0}) EXPECT_NEAR(mean_incidence_cosine({}, c), kSphericalMeanCosine, 1e-5);
+}
+
+TEST(LeafAngles, AVerticalRayMeetsLeavesAtTheirInclination) {
+  // ∫ cos²θ f(θ) dθ over ∫ cos θ f(θ) dθ of de Wit's densities: ¾ over 8/(3π), and ¼ over 4/(3π).
+  EXPECT_NEAR(mean_incidence_cosine({LeafAngleType::planophile, 1}, 1), 0.75 * 3 * kPi / 8, 1e-4);
+  EXPECT_NEAR(mean_incidence_cosine({LeafAngleType::erectophile, 1}, 1), 0.25 * 3 * kPi / 4, 1e-4);
+  // A level ray: half the mean square of the sine, over G.
+  const LeafAngles flat{LeafAngleType::planophile, 1};
+  EXPECT_NEAR(mean_incidence_cosine(flat, 0), 0.25 / 2 / leaf_projection(flat, 0), 1e-4);
+}
+
 TEST(LeafAngles, TheTableAgreesWithTheIntegral) {
   for (const LeafAngles& angles : all_types()) {
     const LeafProjectionTable table(angles);

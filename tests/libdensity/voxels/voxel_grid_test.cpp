@@ -231,24 +231,46 @@ TEST(VoxelGrid, DirectionsAddUpToTheCounters) {
   push_ray(rays, low, high, false);
   auto accumulator = VoxelAccumulator::create({testing::kBigTile, testing::kBigTileSize}, std::vector{s}, {}, {});
   ASSERT_TRUE(accumulator.has_value());
-  accumulator->keep_directions(0, 1);
+  VoxelAccumulator counting = *accumulator, again = *accumulator;
+  ASSERT_TRUE(counting.add(rays) && again.add(rays) && counting.merge(again));
+  accumulator->count_directions_only(0, 1);
   VoxelAccumulator other = *accumulator;
   ASSERT_TRUE(accumulator->add(rays) && other.add(rays) && accumulator->merge(other));
-  const TileVoxels voxels = std::move(*accumulator).finish();
+  const TileVoxels voxels = std::move(*accumulator).finish(), counted = std::move(counting).finish();
   const RowSegmentVoxels& segment = voxels.row_segments[0];
-  ASSERT_EQ(segment.directions.size(), segment.voxels.size());
-  for (std::size_t i = 0; i < segment.voxels.size(); ++i) {
+  EXPECT_TRUE(segment.voxels.empty());
+  ASSERT_EQ(segment.directions.size(), counted.row_segments[0].voxels.size());
+  for (std::size_t i = 0; i < segment.directions.size(); ++i) {
     std::int64_t path = 0, hits = 0;
     for (std::size_t k = 0; k < DirectionCounters::kBins; ++k)
       path += segment.directions[i].path[k], hits += segment.directions[i].hits[k];
-    EXPECT_NEAR(static_cast<double>(path) * DirectionCounters::kPathUnit, segment.voxels[i].path_sides(), 1e-3);
-    EXPECT_EQ(hits, segment.voxels[i].hits);
+    EXPECT_NEAR(static_cast<double>(path) * DirectionCounters::kPathUnit,
+                counted.row_segments[0].voxels[i].path_sides(), 1e-3);
+    EXPECT_EQ(hits, counted.row_segments[0].voxels[i].hits);
   }
-  const std::size_t steep = DirectionCounters::bin_of(1, 0), level = DirectionCounters::bin_of(across.z(), 0);
+  const std::size_t steep = DirectionCounters::bin_of(DirectionCounters::steepness_of(1), 0),
+                    level = DirectionCounters::bin_of(DirectionCounters::steepness_of(across.z()), 0);
   const std::size_t at =
       static_cast<std::size_t>(segment.column[s.shape().column(5, 4)]) * static_cast<std::size_t>(s.n_up) + 3;
   EXPECT_EQ(segment.directions[at].hits[steep], 2);
   EXPECT_GT(segment.directions[at].path[level], 0);
+}
+
+TEST(VoxelGrid, NeighbouringBeamsAreNotCountedWhereNobodyAsks) {
+  const RowSegment s = make_row_segment();
+  tile::SegmentBatch rays;
+  for (int i = 0; i < 4; ++i)
+    push_ray(rays, testing::map_from_grid(s, {5.5 + 0.1 * i, 4.5, 40}),
+             testing::map_from_grid(s, {5.5 + 0.1 * i, 4.5, 3.5}), true);
+  auto with_pairs = VoxelAccumulator::create({testing::kBigTile, testing::kBigTileSize}, std::vector{s}, {}, {});
+  ASSERT_TRUE(with_pairs.has_value());
+  VoxelAccumulator without = *with_pairs;
+  without.leave_out_pairs();
+  ASSERT_TRUE(with_pairs->add(rays) && without.add(rays));
+  const TileVoxels all = std::move(*with_pairs).finish(), fewer = std::move(without).finish();
+  EXPECT_EQ(all.row_segments[0].voxels, fewer.row_segments[0].voxels);
+  EXPECT_NE(all.pairs, LeafSizePairs{});
+  EXPECT_EQ(fewer.pairs, LeafSizePairs{});
 }
 
 TEST(VoxelGrid, RaysWithoutLengthOrFarAwayChangeNothing) {
