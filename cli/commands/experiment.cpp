@@ -43,7 +43,7 @@ const Experiment& experiment_named(const std::string& name) {
 Result<void> prepare_folder(const ExperimentArguments& arguments, const Experiment& experiment, bool overwrite) {
   std::error_code failed;
   fs::create_directories(arguments.folder, failed);
-  if (failed) return fail_errno(failed.value(), "cannot make the folder", arguments.folder, "give another --output");
+  if (failed) return fail_output(failed.value(), "cannot make the folder", arguments.folder, "give another --output");
   std::vector<OutputPath> outputs;
   for (const std::string& chart : experiment.charts)
     for (const char* ending : {".png", ".svg"})

@@ -92,9 +92,26 @@ void Commands::add_common_options(CLI::App& command) {
       ->group("Common");
 }
 
+namespace {
+
+// What is named by its place or by -o is a file, a folder or a name of something: never nothing.
+Result<void> check_named(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional() && !option->check_sname("o")) continue;
+    for (const std::string& text : option->results())
+      if (text.empty())
+        return fail(ErrorCode::usage, "cannot run rayfield " + command.get_name(), option->get_name(), "it is empty",
+                    "give a path");
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<Outcome> Commands::run_parsed(const std::string& command_line) {
   for (const Command& command : commands_) {
     if (!command.app->parsed()) continue;
+    RAYFIELD_CHECK(check_named(*command.app));
     ProgressReporter progress(options_.progress, options_.quiet);
     options_.threads = thread_count(options_.threads);
     Context context{options_, progress, command_line};

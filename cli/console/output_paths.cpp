@@ -29,7 +29,7 @@ Result<void> check_folder(const OutputPath& output) {
     return fail(ErrorCode::resources, output.what, output.path,
                 fmt::format("no file can be made in {}", folder.string()), "give another " + output.option);
   if (!file.valid())
-    return fail_errno(
+    return fail_output(
         error, output.what, output.path,
         fmt::format("check that {} can be written to, or give another {}", folder.string(), output.option));
   return {};
@@ -52,7 +52,10 @@ Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const 
     const std::string another = "give another " + output.option;
     std::error_code ignored;
     if (fs::path(output.path).filename().empty()) return refuse("the path does not name a file", another);
-    if (fs::is_directory(output.path, ignored)) return refuse("it is a folder", another);
+    const fs::file_status status = fs::status(output.path, ignored);
+    if (fs::is_directory(status)) return refuse("it is a folder", another);
+    // A device or pipe would be replaced by a file.
+    if (fs::exists(status) && !fs::is_regular_file(status)) return refuse("it is not a regular file", another);
     for (const std::string& input : inputs)
       if (!input.empty() && same_file(output.path, input)) return refuse("it is an input of this command", another);
     for (std::size_t k = 0; k < i; ++k)
@@ -73,7 +76,7 @@ Result<void> make_output_folder(const fs::path& folder) {
        path = path.parent_path())
     if (path.has_filename()) made.push_back(path);
   if (!failed) fs::create_directories(folder, failed);
-  if (failed) return fail_errno(failed.value(), kWhat, folder.string(), kNext);
+  if (failed) return fail_output(failed.value(), kWhat, folder.string(), kNext);
   for (const fs::path& path : made) RAYFIELD_CHECK(sync_directory(path.parent_path().string(), kWhat, kNext));
   return {};
 }

@@ -21,7 +21,7 @@ struct OutputPath {
 /// Errors: usage, resources (no permission, no space for a file).
 Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite);
 
-/// Makes a folder for products and those above it, and their names durable. Errors: as fail_errno().
+/// Makes a folder for products and those above it, and their names durable. Errors: as fail_output().
 Result<void> make_output_folder(const std::filesystem::path& folder);
 
 /// Outputs that are not there yet. What of them has appeared is removed again unless keep() is called: a command that

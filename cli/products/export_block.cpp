@@ -156,7 +156,9 @@ Result<ExportReport> export_block(const tile::Store& store, const fs::path& fold
   auto pinned = options.snapshot ? store.snapshot(*options.snapshot) : store.latest();
   if (!pinned) return tl::make_unexpected(std::move(pinned).error());
   const tile::Snapshot& snapshot = *pinned;
-  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(snapshot, options.dates));
+  RAYFIELD_ASSIGN(const auto selected, density::select_results(snapshot, options.dates));
+  const std::vector<std::string>& scan_ids = selected.scan_ids;
+  for (const std::string& line : selected.left_out) progress.warn(line);
   const std::string content = content_of(snapshot, scan_ids, options);
   RAYFIELD_ASSIGN(ExportFolder output, ExportFolder::open(folder, store.block_name(), options.keep_unchanged));
   if (output.holds(content)) return ExportReport{snapshot.number, output.products(), 0};

@@ -24,8 +24,8 @@ constexpr double kShapefilePanel = 500, kFlatGeobufPanel = 900, kGeoParquetPanel
 Result<Needs> export_needs(const tile::Store& store, const ExportOptions& options) {
   auto pinned = options.snapshot ? store.snapshot(*options.snapshot) : store.latest();
   if (!pinned) return tl::make_unexpected(std::move(pinned).error());
-  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(*pinned, options.dates));
-  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, *pinned, scan_ids));
+  RAYFIELD_ASSIGN(const auto selected, density::select_results(*pinned, options.dates));
+  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, *pinned, selected.scan_ids));
   const auto wants = [&](const char* format) { return options.formats.count(format) > 0; };
   double bytes = wants("gpkg") ? kGeoPackageBytes : 0, cells = 0;
   for (const ScanResults& results : block.scans) {

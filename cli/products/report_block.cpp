@@ -90,9 +90,10 @@ Result<void> check_report_target(const std::string& path, bool overwrite) {
 
 Result<formats::BlockReport> load_report(const tile::Store& store, const ReportRequest& request, Progress& progress) {
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-  RAYFIELD_ASSIGN(const std::vector<std::string> scan_ids, density::select_scans(snapshot, request.dates));
+  RAYFIELD_ASSIGN(const auto selected, density::select_results(snapshot, request.dates));
+  for (const std::string& line : selected.left_out) progress.warn(line);
   formats::BlockReport report;
-  RAYFIELD_ASSIGN(report.block, density::load_block(store, snapshot, scan_ids));
+  RAYFIELD_ASSIGN(report.block, density::load_block(store, snapshot, selected.scan_ids));
   for (ScanResults& results : report.block.scans) {
     const tile::ScanEntry& entry = *snapshot.find_scan(results.scan.scan_id);
     RAYFIELD_ASSIGN(results.sections, density::load_sections(store, snapshot, entry, "side_view"));

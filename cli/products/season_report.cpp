@@ -85,7 +85,9 @@ Result<void> write_row_stack(const tile::Store& store, const tile::Snapshot& sna
 Result<SeasonReport> report_season(const tile::Store& store, const std::optional<fs::path>& folder,
                                    Progress& progress) {
   RAYFIELD_ASSIGN(const tile::Snapshot snapshot, store.latest());
-  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, {}));
+  RAYFIELD_ASSIGN(const auto selected, density::select_results(snapshot, {}));
+  for (const std::string& line : selected.left_out) progress.warn(line);
+  RAYFIELD_ASSIGN(const BlockProducts block, density::load_block(store, snapshot, selected.scan_ids));
   if (block.scans.size() < 2)
     return fail(ErrorCode::usage, "cannot compare dates", store.folder().string(), "the block has one date only",
                 "add and process another");

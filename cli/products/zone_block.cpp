@@ -22,8 +22,9 @@ constexpr const char* kWhat = "cannot make zones";
 // The scan that is asked for, or the newest.
 Result<std::string> scan_of(const tile::Snapshot& snapshot, const std::string& date) {
   if (date.empty() || snapshot.find_scan(date) != nullptr) {
-    RAYFIELD_ASSIGN(const auto all, density::select_scans(snapshot, {}));
     if (!date.empty()) return date;
+    RAYFIELD_ASSIGN(const auto selected, density::select_results(snapshot, {}));
+    const std::vector<std::string>& all = selected.scan_ids;
     const auto newest = std::max_element(all.begin(), all.end(), [&](const std::string& a, const std::string& b) {
       return snapshot.find_scan(a)->date < snapshot.find_scan(b)->date;
     });

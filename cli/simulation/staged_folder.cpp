@@ -27,7 +27,7 @@ Result<void> move_files(const fs::path& from, const fs::path& to) {
     if (!failed) fs::create_directories((to / file).parent_path(), failed);
     if (!failed) fs::rename(from / file, to / file, failed);
   }
-  if (failed) return fail_errno(failed.value(), kWhat, to.string());
+  if (failed) return fail_output(failed.value(), kWhat, to.string());
   return {};
 }
 
@@ -37,7 +37,7 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target) {
   const fs::path path = target.parent_path() / ("." + target.filename().string() + ".part");
   std::error_code failed;
   if (!target.parent_path().empty()) fs::create_directories(target.parent_path(), failed);
-  if (failed) return fail_errno(failed.value(), kWhat, target.string());
+  if (failed) return fail_output(failed.value(), kWhat, target.string());
   const auto open_it = [&] {
     return FileDescriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   };
@@ -47,9 +47,9 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target) {
                   "wait until it has finished");
     fs::remove_all(path, failed);
   }
-  if (::mkdir(path.c_str(), 0777) != 0) return fail_errno(errno, kWhat, path.string());
+  if (::mkdir(path.c_str(), 0777) != 0) return fail_output(errno, kWhat, path.string());
   FileDescriptor lock = open_it();
-  if (!lock.valid()) return fail_errno(errno, kWhat, path.string());
+  if (!lock.valid()) return fail_output(errno, kWhat, path.string());
   ::flock(lock.get(), LOCK_EX);
   return StagedFolder(target, path, std::move(lock));
 }
@@ -68,7 +68,7 @@ Result<void> StagedFolder::publish() {
     RAYFIELD_CHECK(move_files(path_, target_));
   } else {
     fs::rename(path_, target_, failed);
-    if (failed) return fail_errno(failed.value(), kWhat, target_.string());
+    if (failed) return fail_output(failed.value(), kWhat, target_.string());
     path_.clear();
   }
   return sync_directory(target_.parent_path().string(), kWhat);

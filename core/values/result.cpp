@@ -64,4 +64,12 @@ tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::s
   return fail(code_of_errno(error_number), what, where, std::strerror(error_number), next);
 }
 
+tl::unexpected<Error> fail_output(int error_number, std::string_view what, std::string_view where,
+                                  std::string_view next) {
+  if (next.empty() && code_of_errno(error_number) == ErrorCode::bad_input) next = "give another place";
+  Error error = fail_errno(error_number, what, where, next).value();
+  error.code = ErrorCode::resources;
+  return tl::make_unexpected(std::move(error));
+}
+
 }  // namespace rayfield

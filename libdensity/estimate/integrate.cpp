@@ -19,6 +19,11 @@ struct Sums {
   double plant = 0, leaf = 0, variance = 0;
   double voxels = 0, observed = 0, rays = 0;
   std::vector<double> by_up, by_across;  ///< leaf area
+
+  double observed_fraction() const { return voxels > 0 ? observed / voxels : 0; }
+  bool is_seen(const IntegrationOptions& o) const {
+    return observed > 0 && observed_fraction() >= o.min_observed_fraction;
+  }
 };
 
 void add_section(const RowDensity& row, int along, double share, Sums& s) {
@@ -69,9 +74,9 @@ double gap_between(const RowDensity& row, const RowSpan& span, int low, int high
 PanelValue panel_value(const RowDensity& row, const Sums& s, const RowSpan& span, double length_m, double spacing_m,
                        const IntegrationOptions& o) {
   PanelValue v;
-  v.observed_fraction = s.voxels > 0 ? s.observed / s.voxels : 0;
+  v.observed_fraction = s.observed_fraction();
   v.ray_count = std::llround(s.rays);
-  if (!(v.observed_fraction >= o.min_observed_fraction) || s.observed <= 0) {
+  if (!s.is_seen(o)) {
     v.plant_area_m2 = v.leaf_area_m2 = v.leaf_area_per_m = v.lai = v.se_leaf_area_m2 = v.se_plant_area_m2 = kNaN;
     v.ci_low_m2 = v.ci_high_m2 = v.canopy_height_m = v.canopy_width_m = v.gap_fraction = kNaN;
     return v;
@@ -152,7 +157,7 @@ std::vector<RowMetreProduct> row_metres(const RowDensity& row, double row_length
     const int along = std::max(0, static_cast<int>(after - row.chainage_m.begin()) - 1);
     const RowSegment& row_segment = row.row_segment(along);
     m.position = row_segment.origin + (m.chainage_m - row_segment.chainage_m) * row_segment.direction;
-    const bool seen = s.observed > 0;
+    const bool seen = s.is_seen(options);
     m.leaf_area_per_m = seen ? s.leaf / step : kNaN;
     m.plant_area_per_m = seen ? s.plant / step : kNaN;
     out.push_back(m);

@@ -82,7 +82,9 @@ Result<PlanRaster> PlanRaster::create(const RasterFrame& frame, std::span<const 
                                       const PlanRasterOptions& options, std::size_t bytes,
                                       const std::filesystem::path& folder) {
   RAYFIELD_CHECK(options.validate());
-  if (row_segments.empty()) return fail(ErrorCode::usage, "cannot make maps", "block", "it has no rows");
+  if (row_segments.empty())
+    return fail(ErrorCode::bad_input, "cannot make maps", "scan", "it shows none of the block's rows",
+                "check its date and place; `rayfield remove` takes it out of the block");
   for (const RowSegment& s : row_segments) {
     const Eigen::Vector2d v(-s.direction.y(), s.direction.x());
     for (const double a : {0.0, s.n_along * s.voxel_m})

@@ -72,8 +72,9 @@ Result<void> complete_row(const Row& row, std::span<const Panel> panels, const S
   if (areas.size() != out.metres.size()) return not_of_this_layout(row.number);
   describe_leaves(*out.leaf, panels, length_m, outline_of(results.row_metres, row.number), settings, out);
   for (std::size_t k = 0; k < areas.size(); ++k) {
-    out.metres[k].leaf_area_per_m = areas[k];
-    if (std::isnan(areas[k])) forget_leaves(out.metres[k].descriptors);
+    RowMetreProduct& metre = out.metres[k];
+    metre.leaf_area_per_m = std::isnan(metre.plant_area_per_m) ? CanopyDescriptors::kUndefined : areas[k];
+    if (std::isnan(metre.leaf_area_per_m)) forget_leaves(metre.descriptors);
   }
   return {};
 }

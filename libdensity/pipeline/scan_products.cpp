@@ -43,7 +43,9 @@ struct RowProducts {
 // What the canopy of leaves and wood is like; leaf_products.cpp puts leaves alone in its place where wood is known.
 void describe_row(const RowDensity& density, std::span<const Panel> panels, double length_m,
                   const DescriptorSettings& settings, RowProducts& out) {
-  const std::vector<StretchOutline> outline = canopy_outline(density, length_m, settings);
+  std::vector<StretchOutline> outline = canopy_outline(density, length_m, settings);
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    if (std::isnan(out.metres[i].plant_area_per_m)) outline[i] = {};  // too little was seen for a gap, too
   put_outline(outline, out.metres);
   const RowLines lines(density, length_m, outline, settings);
   lines.describe_panels(panels, out.panels);

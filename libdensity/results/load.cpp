@@ -118,6 +118,24 @@ Result<std::vector<std::string>> select_scans(const tile::Snapshot& snapshot, co
   return ids;
 }
 
+Result<SelectedResults> select_results(const tile::Snapshot& snapshot, const std::vector<std::string>& wanted) {
+  SelectedResults selected;
+  RAYFIELD_ASSIGN(selected.scan_ids, select_scans(snapshot, wanted));
+  if (!wanted.empty()) return selected;
+  std::vector<std::string> without;
+  std::erase_if(selected.scan_ids, [&](const std::string& id) {
+    const bool has_results = find_derived(snapshot.find_scan(id)->derived, "results", "block") != nullptr;
+    if (!has_results) without.push_back(id);
+    return !has_results;
+  });
+  if (selected.scan_ids.empty()) return not_processed(without.empty() ? "the block has no scan" : without.front());
+  for (const std::string& id : without)
+    selected.left_out.push_back(id +
+                                " is left out: it has no results; `rayfield process` makes them or says why not, " +
+                                "`rayfield remove` takes it out of the block");
+  return selected;
+}
+
 std::vector<std::string> raster_names(const tile::ScanEntry& scan) {
   std::vector<std::string> names(std::begin(kRasterNames), std::end(kRasterNames));
   names.emplace_back(kLeafRasterName);
@@ -135,6 +153,7 @@ Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot&
   for (const tile::ScanEntry& scan : snapshot.scans) {
     if (!scan_ids.empty() && std::find(scan_ids.begin(), scan_ids.end(), scan.scan_id) == scan_ids.end()) continue;
     const tile::DerivedEntry* entry = find_derived(scan.derived, "results", "block");
+    if (entry == nullptr && scan_ids.empty()) continue;
     if (entry == nullptr) return not_processed(scan.scan_id);
     RAYFIELD_ASSIGN(const tile::ArrayReader stored, store.open_derived(*entry));
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, stored.read_without({kSectionValues}));

@@ -201,7 +201,7 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
   for (PanelValue& value : results.panel_values) {
     const double half = value.ci_high_m2 - value.leaf_area_m2;
     value.se_plant_area_m2 = value.se_leaf_area_m2;
-    value.plant_ci_low_m2 = std::max(0.0, value.plant_area_m2 - half);
+    value.plant_ci_low_m2 = std::max(value.plant_area_m2 - half, 0.0);  // NaN stays NaN
     value.plant_ci_high_m2 = value.plant_area_m2 + half;
   }
 

@@ -13,8 +13,8 @@ namespace rayfield::density {
 /// program itself leaves; stages that run one after the other have the same share in turn.
 struct ProcessMemory {
   static constexpr std::uint64_t kProgram = std::uint64_t{96} << 20;  ///< code, libraries, what small things add up to
-  static constexpr std::uint64_t kPerThread = std::uint64_t{24}
-                                              << 20;  ///< a chunk of rays, and what one tile's are counted in
+  /// A chunk of rays, what one tile's are counted in, and what the allocator keeps for a thread.
+  static constexpr std::uint64_t kPerThread = std::uint64_t{48} << 20;
 
   std::size_t canopy_bytes;   ///< canopy maps of all tiles, while rows are looked for
   std::size_t surveys_bytes;  ///< low histograms of tiles that their neighbours will want, while the ground is made

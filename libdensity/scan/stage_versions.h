@@ -16,11 +16,11 @@ inline constexpr int kEchoesVersion = 6;
 inline constexpr int kLeafAnglesVersion = 2;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 4;
-inline constexpr int kResultsVersion = 10;
+inline constexpr int kResultsVersion = 11;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 8;
-inline constexpr int kLeafByEstimateVersion = 5;
+inline constexpr int kLeafVersion = 9;
+inline constexpr int kLeafByEstimateVersion = 6;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,    kGroundVersion,     kEvidenceVersion,   kGeometryVersion,    kProfileVersion,

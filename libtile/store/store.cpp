@@ -86,7 +86,7 @@ Result<Store> Store::create(const fs::path& folder, const StoreConfig& config) {
     return fail(ErrorCode::usage, "cannot create a store", folder.string(), "it is not a folder",
                 "give an empty or a new folder");
   fs::create_directories(folder, error);
-  if (error) return fail_io(error.value(), "cannot create a store", folder);
+  if (error) return fail_output(error.value(), "cannot create a store", folder.string());
   if (!fs::exists(folder / layout::kStoreFile, error)) RAYFIELD_CHECK(check_free(folder));
   RAYFIELD_ASSIGN(const WriterLock lock, WriterLock::take(folder));
   for (const char* part : {layout::kSnapshots, layout::kScans, layout::kRegistry})

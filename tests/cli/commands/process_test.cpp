@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
 
 #include "rayfield/core/ray_source.h"
 #include "rayfield/formats/ply_reader.h"
@@ -11,7 +14,11 @@
 namespace rayfield::test {
 namespace {
 
+using testing::AllOf;
+using testing::Each;
+using testing::Gt;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 // Keeps one ray in `step`.
 void thin(const std::string& from, const std::string& to, std::size_t step) {
@@ -26,6 +33,37 @@ void thin(const std::string& from, const std::string& to, std::size_t step) {
     ASSERT_TRUE(writer.write(few));
   }
   ASSERT_TRUE(writer.close());
+}
+
+// The same drive somewhere else.
+void move_east(const std::string& from, const std::string& to, double east_m) {
+  const auto reader = formats::PlyReader::open(from).value();
+  formats::PlyWriter writer = formats::PlyWriter::create(to, {*reader->crs()}).value();
+  RayBatch rays;
+  while (reader->read(rays, 65536).value() > 0) {
+    for (std::size_t i = 0; i < rays.size(); ++i) rays.origin[i].x() += east_m, rays.end[i].x() += east_m;
+    ASSERT_TRUE(writer.write(rays));
+  }
+  ASSERT_TRUE(writer.close());
+}
+
+std::vector<std::string> csv_column(const std::string& path, const std::string& name) {
+  std::istringstream file(read_file(path));
+  std::vector<std::string> values;
+  std::optional<std::size_t> column;
+  for (std::string line; std::getline(file, line);) {
+    std::vector<std::string> cells(1);
+    for (const char c : line) {
+      if (c == ',')
+        cells.emplace_back();
+      else if (c != '\r')
+        cells.back().push_back(c);
+    }
+    if (!column) column = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), name) - cells.begin());
+    values.push_back(*column < cells.size() ? cells[*column] : "no such column");
+  }
+  values.erase(values.begin());
+  return values;
 }
 
 class Process : public testing::Test {
@@ -85,6 +123,47 @@ TEST_F(Process, AScanOfWhichNothingCanBeMadeDoesNotKeepTheOthersFromTheirs) {
   }
   ASSERT_EQ(rayfield({"remove", store(), "2021-06-01", "-q"}).exit_code, 0);
   EXPECT_EQ(rayfield({"process", store(), "-q"}).exit_code, 0);
+}
+
+TEST_F(Process, AScanWithoutResultsDoesNotKeepTheOthersFromTheirProducts) {
+  add(cloud("2021-05-01"), "2021-05-01");
+  add(cloud("2021-07-01"), "2021-07-01");
+  ASSERT_EQ(rayfield({"process", store(), "-q"}).exit_code, 0);
+  const std::string elsewhere = folder_.path("elsewhere.ply");
+  move_east(cloud("2021-07-01"), elsewhere, 300);
+  add(elsewhere, "2021-08-01");
+  const Outcome run = rayfield({"process", store(), "-q"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("shows none of the block's rows"));
+
+  const std::string maps = folder_.path("maps"), report = folder_.path("report.html");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"export", store(), "-o", maps},
+        std::vector<std::string>{"report", store(), "-o", report}, std::vector<std::string>{"compare", store()},
+        std::vector<std::string>{"zones", store(), "-o", maps}}) {
+    const Outcome made = rayfield(command);
+    EXPECT_EQ(made.exit_code, 0) << command[0] << made.err;
+    if (command[0] == "zones") continue;
+    EXPECT_THAT(made.err, HasSubstr("2021-08-01 is left out: it has no results")) << command[0];
+  }
+  EXPECT_TRUE(std::filesystem::exists(maps + "/block_2021-07-01_plan_density.tif"));
+  EXPECT_FALSE(std::filesystem::exists(maps + "/block_2021-08-01_plan_density.tif"));
+  const Outcome asked = rayfield({"export", store(), "-o", folder_.path("asked"), "--date", "2021-08-01", "-q"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_THAT(asked.err, HasSubstr("2021-08-01"));
+}
+
+TEST_F(Process, WhatWasHardlySeenIsUndefinedInEveryTable) {
+  const std::string path = folder_.path("thin.ply");
+  thin(cloud("2021-07-01"), path, 100);
+  add(path, "2021-07-01");
+  ASSERT_EQ(rayfield({"process", store(), "-q"}).exit_code, 0);
+  const std::string maps = folder_.path("maps");
+  ASSERT_EQ(rayfield({"export", store(), "-o", maps, "-q", "--format", "csv"}).exit_code, 0);
+  for (const char* column : {"plant_area_m2", "plant_ci_low_m2", "plant_ci_high_m2", "ci_low_m2"})
+    EXPECT_THAT(csv_column(maps + "/block_panels.csv", column), AllOf(SizeIs(Gt(0U)), Each(""))) << column;
+  for (const char* column : {"leaf_area_per_m", "plant_area_per_m", "row_gap_share", "canopy_height_m"})
+    EXPECT_THAT(csv_column(maps + "/block_row_metres.csv", column), AllOf(SizeIs(Gt(0U)), Each(""))) << column;
 }
 
 }  // namespace

@@ -27,6 +27,10 @@ TEST(FailErrno, CallsDiskAndPermissionProblemsResources) {
   for (const int number : {ENOSPC, EACCES, EROFS, EDQUOT, ENOMEM, EIO, ESTALE, ENODEV})
     EXPECT_EQ(fail_errno(number, "w", "p").value().code, ErrorCode::resources);
   EXPECT_EQ(fail_errno(ENOENT, "w", "p").value().code, ErrorCode::bad_input);
+  // Of an output nothing is bad input.
+  for (const int number : {ENOENT, ENOTDIR, EINVAL, ENOSPC})
+    EXPECT_EQ(fail_output(number, "w", "p").value().code, ErrorCode::resources);
+  EXPECT_FALSE(fail_output(ENOENT, "w", "p").value().next.empty());
 }
 
 Result<int> half(int x) {

@@ -151,7 +151,7 @@ TEST(PlanRaster, OverlapOfASquareTurnedByFortyFiveDegreesIsExact) {
 TEST(PlanRaster, NoRowSegmentsAndOptionsOutOfRangeAreRefused) {
   const RowDensity row = random_row(1);
   const RasterFrame frame{row.row_segments[0].origin - Eigen::Vector2d(64, 64), 0.1, 1280, 1280};
-  EXPECT_EQ(PlanRaster::create(frame, {}, {}, kAllInMemory, scratch()).error().code, ErrorCode::usage);
+  EXPECT_EQ(PlanRaster::create(frame, {}, {}, kAllInMemory, scratch()).error().code, ErrorCode::bad_input);
   EXPECT_FALSE(PlanRaster::create(frame, row.row_segments, {0.0, 0.97}, kAllInMemory, scratch()).has_value());
   EXPECT_TRUE(PlanRaster::create(frame, row.row_segments, {}, kAllInMemory, scratch()).has_value());
 }

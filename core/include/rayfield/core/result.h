@@ -41,6 +41,11 @@ tl::unexpected<Error> fail(ErrorCode code, std::string_view what, std::string_vi
 tl::unexpected<Error> fail_errno(int error_number, std::string_view what, std::string_view where,
                                  std::string_view next = {});
 
+/// The failure of a system call that was to make an output: as fail_errno(), but nothing of it is `bad_input`: a place
+/// where nothing can be made is `resources`, too.
+tl::unexpected<Error> fail_output(int error_number, std::string_view what, std::string_view where,
+                                  std::string_view next = {});
+
 }  // namespace rayfield
 
 /// Evaluates `expr` (a Result); returns its error from the enclosing function or moves its value into `lhs`.

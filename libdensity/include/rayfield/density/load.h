@@ -27,7 +27,8 @@ inline constexpr const char* kWoodIsEstimated =
 /// And where they are not estimated either.
 inline constexpr const char* kWoodInLeafArea = "leaf area holds canes and wires: the block has no dormant scan";
 
-/// The block's rows, panels, posts and the results of the scans named (all if empty), in the order of their dates.
+/// The block's rows, panels, posts and the results of the scans named (all that have any if empty), in the order of
+/// their dates.
 /// Without the sections, which are large: see load_sections().
 /// Errors: usage (nothing processed yet, unknown scan), damaged.
 Result<BlockProducts> load_block(const tile::Store& store, const tile::Snapshot& snapshot,
@@ -64,5 +65,15 @@ Result<RasterProduct> load_raster(const tile::Store& store, const tile::Snapshot
 
 /// Scans whose id or date is among `wanted` (all if empty). Errors: usage, naming what is not there.
 Result<std::vector<std::string>> select_scans(const tile::Snapshot& snapshot, const std::vector<std::string>& wanted);
+
+/// Scans for products.
+struct SelectedResults {
+  std::vector<std::string> scan_ids;
+  std::vector<std::string> left_out;  ///< a line for each scan that was not asked for by name and has no results
+};
+
+/// As select_scans(), but one bad scan does not keep the others from their products: if `wanted` is empty, scans
+/// without results are left out. Errors: usage, also where no scan has results.
+Result<SelectedResults> select_results(const tile::Snapshot& snapshot, const std::vector<std::string>& wanted);
 
 }  // namespace rayfield::density
