@@ -48,9 +48,12 @@ Result<Accumulator> accumulate_tile(const tile::Store::TileReader& reader, Accum
   parts.reserve(static_cast<std::size_t>(workers));
   for (int worker = 1; worker < workers; ++worker) parts.push_back(empty);
   parts.push_back(std::move(empty));
-  RAYFIELD_CHECK(for_chunks(reader, workers, progress, [&](const tile::SegmentBatch& segments, int worker) {
-    return as_result([&] { return add(parts[worker], segments); });
-  }, every));
+  RAYFIELD_CHECK(for_chunks(
+      reader, workers, progress,
+      [&](const tile::SegmentBatch& segments, int worker) {
+        return as_result([&] { return add(parts[worker], segments); });
+      },
+      every));
   for (std::size_t part = 1; part < parts.size(); ++part)
     RAYFIELD_CHECK(as_result([&] { return parts[0].merge(parts[part]); }));
   return std::move(parts[0]);
