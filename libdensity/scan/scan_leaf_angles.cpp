@@ -130,7 +130,7 @@ Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<
   const DirectionLikelihood nothing(view ? std::optional(view->full_echo) : std::nullopt);
   work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), sample.tiles.size(), "tiles");
   RAYFIELD_CHECK(for_voxel_tiles(work, sample.tiles, sample.row_segments, wood, view,
-                                 [&](const tile::TileEntry& entry, VoxelAccumulator empty) {
+                                 [&](const tile::TileEntry& entry, const VoxelAccumulator& empty) {
                                    return add_tile(work, entry, empty, sample.every, nothing, sums);
                                  }));
   std::vector<DirectionLikelihood> parts;

@@ -143,7 +143,8 @@ TEST_F(BadRig, PlacesThatCannotBeWrittenToAreRefusedBeforeTheWork) {
   };
   refuse({"-o", work_.path("no/such/cloud.ply")}, 2, "there is no folder");
   refuse({"-o", work_.path()}, 2, "it is a folder");
-  refuse({"-o", ""}, 2, "does not name a file");
+  refuse({"-o", ""}, 2, "it is empty");
+  refuse({"-o", work_.path("folder") + "/"}, 2, "does not name a file");
   refuse({"-o", "/proc/cloud.ply"}, 5, "/proc");
   for (const char* option : {"--trajectory", "--report", "--picture"})
     refuse({option, work_.path("no/such/file")}, 2, "there is no folder");
