@@ -18,17 +18,22 @@ namespace {
 // What is wrong with a file; nothing where it is as the entry says. Errors: interrupted, resources.
 Result<std::optional<std::string>> problem_of(const std::filesystem::path& store, const FileEntry& file,
                                               const std::function<bool()>& cancelled) {
+  const auto other_size = [&file](std::uint64_t size) {
+    return "it has " + std::to_string(size) + " bytes instead of " + std::to_string(file.size);
+  };
+  std::error_code ignored;
+  // Before it is read: a sparse file may claim any size.
+  const std::uint64_t size = std::filesystem::file_size(store / file.path, ignored);
+  if (!ignored && size != file.size) return other_size(size);
   const auto digest = digest_file((store / file.path).string(), "cannot read", cancelled);
   if (!digest && digest.error().code == ErrorCode::interrupted)
     return fail(ErrorCode::interrupted, "interrupted", store.string(), "not all files were checked");
   // A disk that cannot read a file has damaged it, and the others are looked at; no descriptor or memory says nothing.
   if (!digest && digest.error().code == ErrorCode::resources && digest.error().why != std::strerror(EIO))
     return tl::make_unexpected(digest.error());
-  std::error_code ignored;
   if (!digest && !std::filesystem::exists(store / file.path, ignored)) return "the file is missing";
   if (!digest) return digest.error().why;
-  if (digest->size != file.size)
-    return "it has " + std::to_string(digest->size) + " bytes instead of " + std::to_string(file.size);
+  if (digest->size != file.size) return other_size(digest->size);
   if (digest->sha256 != file.sha256) return "its SHA-256 is not that of the snapshot";
   return std::nullopt;
 }

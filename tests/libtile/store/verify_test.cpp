@@ -38,6 +38,18 @@ TEST_F(Verify, MissingAndTruncatedFilesAreNamedWithTheReason) {
   EXPECT_THAT(reasons.at(second), HasSubstr("100 bytes"));
 }
 
+// Hashing it would take an hour.
+TEST_F(Verify, AFileThatClaimsATerabyteIsNamedWithoutReadingIt) {
+  const std::string path = store_.latest()->scans.at(0).tiles.at(0).file.path;
+  std::error_code failed;
+  fs::resize_file(store_.folder() / path, std::uintmax_t{1} << 40, failed);
+  if (failed) GTEST_SKIP() << "the disk takes no sparse file of a terabyte";
+  const auto damage = damage_of(store_);
+  ASSERT_EQ(damage.size(), 1U);
+  EXPECT_EQ(damage[0].path, path);
+  EXPECT_THAT(damage[0].reason, HasSubstr("1099511627776 bytes"));
+}
+
 // As many descriptors as are open always: nothing can be opened, and nothing is known of any file.
 TEST_F(Verify, NoFileDescriptorLeftIsNoDamage) {
   rlimit before{};
