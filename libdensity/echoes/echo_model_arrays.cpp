@@ -30,8 +30,8 @@ tile::ArraySet arrays_from_echo_model(const std::optional<EchoModel>& model) {
 Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
-  constexpr std::size_t kOldest =
-      10;  // the resolution path came with version 3, the lost share with 4, the last with 6
+  // The resolution path came with version 3, the lost share with 4, the last with 6.
+  constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
   for (std::size_t i = 0; i < f.size(); ++i)
