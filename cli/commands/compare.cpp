@@ -111,6 +111,13 @@ Result<Outcome> compare_two(const CompareArguments& arguments, const tile::Store
   return outcome;
 }
 
+// A date of the block in the table of the season.
+std::string season_line(const SeasonValue& v) {
+  if (v.panels_seen == 0) return fmt::format("  {:<12} not seen  0 of {}\n", v.scan_id, v.panels);
+  return fmt::format("  {:<12} {:>8.1f} m²  {:.2f} m²/m ({:.2f} … {:.2f})  {} of {}\n", v.scan_id, v.leaf_area_m2,
+                     v.leaf_area_per_m, v.ci_low_per_m, v.ci_high_per_m, v.panels_seen, v.panels);
+}
+
 // The whole season: a table of the block's dates, and every row's values for --json; with -o also the files.
 Result<Outcome> compare_all(const CompareArguments& arguments, const tile::Store& store, const Context& context) {
   std::optional<std::filesystem::path> folder;
@@ -131,10 +138,7 @@ Result<Outcome> compare_all(const CompareArguments& arguments, const tile::Store
                                       {"ci_low_per_m", number(v.ci_low_per_m)},
                                       {"ci_high_per_m", number(v.ci_high_per_m)},
                                       {"plant_area_m2", number(v.plant_area_m2)}});
-    if (v.row_number == 0)
-      outcome.text +=
-          fmt::format("  {:<12} {:>8.1f} m²  {:.2f} m²/m ({:.2f} … {:.2f})  {} of {}\n", v.scan_id, v.leaf_area_m2,
-                      v.leaf_area_per_m, v.ci_low_per_m, v.ci_high_per_m, v.panels_seen, v.panels);
+    if (v.row_number == 0) outcome.text += season_line(v);
   }
   outcome.data["files"] = ordered_json::array();
   for (const auto& path : report.files) {

@@ -19,7 +19,10 @@ namespace {
 
 // What a ray cloud holds: reads it once.
 Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
-  RAYFIELD_ASSIGN(const auto reader, formats::PlyReader::open(path, {.allow_truncated = true, .allow_trailing = true}));
+  const auto cancelled = [&context] { return context.progress.cancelled(); };
+  RAYFIELD_ASSIGN(
+      const auto reader,
+      formats::PlyReader::open(path, {.allow_truncated = true, .allow_trailing = true, .cancelled = cancelled}));
   context.progress.stage("reading", reader->ray_count().value_or(0), "rays");
   RayBatch batch;
   std::uint64_t rays = 0, hits = 0;
@@ -36,8 +39,6 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
     }
     rays += count;
     context.progress.advance(count);
-    if (context.progress.cancelled())
-      return fail(ErrorCode::interrupted, "interrupted", path, "", "run the same command again");
   }
   Outcome outcome;
   outcome.data = {

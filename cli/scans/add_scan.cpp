@@ -104,7 +104,9 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
     add_knowledge(drive.beam, beam);
     return std::move(drive.rays);
   }
-  RAYFIELD_ASSIGN(auto reader, formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
+  RAYFIELD_ASSIGN(auto reader,
+                  formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated,
+                                                           .cancelled = [&progress] { return progress.cancelled(); }}));
   if (reader->crs() && *reader->crs() == kLocalFrame)
     return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
                 fmt::format("it is in a local frame, the store in {}", crs),
@@ -115,6 +117,29 @@ Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanIn
                 "transform it, or make a store in its CRS");
   add_knowledge(reader->beam(), beam);
   return std::unique_ptr<RaySource>(std::move(reader));
+}
+
+// The same rays twice count twice.
+Result<void> check_given_once(const std::vector<fs::path>& files, const std::vector<tile::InputEntry>& entries) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (entries[i].sha256 == entries[j].sha256)
+        return fail(ErrorCode::usage, "cannot add scan", files[i].string(),
+                    files[i] == files[j] ? "it is given twice" : "it has the same content as " + files[j].string(),
+                    "give each file once");
+  return {};
+}
+
+// Of an input that a scan of another day or name has, too: one of the two dates may be wrong.
+std::optional<std::string> said_of_repeated(const std::vector<tile::InputEntry>& inputs, std::size_t rays,
+                                            const tile::Snapshot& latest, const std::string& replaced) {
+  for (std::size_t i = 0; i < rays; ++i)
+    for (const tile::ScanEntry& scan : latest.scans)
+      for (const tile::InputEntry& other : scan.inputs)
+        if (scan.scan_id != replaced && other.sha256 == inputs[i].sha256)
+          return fmt::format("{} was added as {} before: one of them has a wrong date, or is there twice",
+                             inputs[i].name, scan.scan_id);
+  return std::nullopt;
 }
 
 // The id of the scan that this one takes the place of; empty where there is none.
@@ -150,6 +175,7 @@ Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, 
     RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
     return {};
   }));
+  RAYFIELD_CHECK(check_given_once(inputs.files, entries));
   return entries;
 }
 
@@ -168,11 +194,15 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   const std::string replaced = id_of_same_name(latest, options);
   std::vector<std::unique_ptr<RaySource>> parts;
   std::vector<std::string> warnings;
+  const auto say = [&](const std::optional<std::string>& warning) {
+    if (warning) progress.warn(*warning), warnings.push_back(*warning);
+  };
+  say(said_of_repeated(options.inputs, inputs.files.size(), latest, replaced));
   for (const fs::path& path : inputs.files) {
     RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
                                           warnings, options.attachments, options.beam));
     RAYFIELD_ASSIGN(const auto warning, check_scan_place(*part, store.config().crs, latest, replaced));
-    if (warning) warnings.push_back(*warning);
+    say(warning);
     parts.push_back(std::move(part));
   }
   JoinedSource rays(std::move(parts), warnings);

@@ -105,6 +105,7 @@ struct PlyReader::Impl {
   std::uint64_t next = 0;  // row
   Dropped dropped;
   std::vector<std::string> notes;
+  std::function<bool()> cancelled;
 
   Result<void> check_length(const PlyReadOptions& options);
 };
@@ -156,6 +157,7 @@ Result<std::unique_ptr<PlyReader>> PlyReader::open(const std::string& path, cons
   if (!columns) return located(columns.error());
   auto impl = std::make_unique<Impl>(std::move(window), std::move(*header), *columns);
   RAYFIELD_CHECK(impl->check_length(options));
+  impl->cancelled = options.cancelled;
   if (!columns->alpha) impl->notes.push_back("no alpha in the file: every ray counts as a hit");
   if (!columns->time_double) impl->notes.push_back("times are float: 128 s apart if they count from 1970");
   return std::unique_ptr<PlyReader>(new PlyReader(std::move(impl)));
@@ -169,6 +171,8 @@ Result<std::size_t> PlyReader::read(RayBatch& batch, std::size_t max_rays) {
   try {
     batch.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(max_rays, impl_->rays - impl_->next)));
     while (batch.size() < max_rays && impl_->next < impl_->rays) {
+      if (impl_->cancelled && impl_->cancelled())
+        return fail(ErrorCode::interrupted, "interrupted", name(), "", "run the same command again");
       const std::uint64_t left = std::min<std::uint64_t>(impl_->rays - impl_->next, max_rays - batch.size());
       const std::size_t rows = static_cast<std::size_t>(std::min<std::uint64_t>(block_rows, left));
       const std::uint64_t offset = impl_->header.header_bytes + impl_->next * row_bytes;

@@ -82,13 +82,16 @@ Result<FileEntry> DurableWriter::write(std::span<const std::byte> bytes, const s
 
 void DurableWriter::discard_new_files() {
   const std::lock_guard lock(mutex_);
+  // Folders once, after their files: to find out whether it is empty takes long in a folder of many removed files.
+  std::set<std::filesystem::path> folders;
   for (const std::string& path : new_files_) {
     ::unlink((root_ / path).c_str());
-    // Folders that are empty now go too; what cannot be removed is found by gc.
-    for (std::filesystem::path folder = std::filesystem::path(path).parent_path();
-         folder.has_parent_path() && ::rmdir((root_ / folder).c_str()) == 0; folder = folder.parent_path()) {
-    }
+    folders.insert(std::filesystem::path(path).parent_path());
   }
+  // Those that are empty now go too; what cannot be removed is found by gc.
+  for (std::filesystem::path folder : folders)
+    for (; folder.has_parent_path() && ::rmdir((root_ / folder).c_str()) == 0; folder = folder.parent_path()) {
+    }
   new_files_.clear();
   directories_.clear();
 }

@@ -57,6 +57,7 @@ TEST_F(ScanPlace, ACloudFromBesideTheZoneIsTakenAndTold) {
   const Outcome run = rayfield({"add", other, path, "--date", "2020-09-13", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(nlohmann::json::parse(run.out)["warnings"].dump(), HasSubstr("outside of the area that it is made for"));
+  EXPECT_THAT(run.err, HasSubstr("outside of the area that it is made for"));
 }
 
 TEST_F(ScanPlace, AScanMayTakeThePlaceOfTheOnlyOneFromElsewhere) {

@@ -109,6 +109,22 @@ TEST(PlyReader, ReadsInBatchesAndAgain) {
   }
 }
 
+TEST(PlyReader, StopsAmidRaysThatAreAllDropped) {
+  constexpr std::size_t kRays = 100000;  // 4.8 MB
+  std::string content = ply_header(std::to_string(kRays), kStandardProperties);
+  const std::string none = row({5, 5, 5}, {5, 5, 5}, 1, 1);
+  for (std::size_t i = 0; i < kRays; ++i) content += none;
+  const TemporaryFile file(content, ".ply");
+  int asked = 0;
+  auto reader = PlyReader::open(file.path(), {.cancelled = [&asked] { return ++asked == 3; }});
+  ASSERT_TRUE(reader) << reader.error().line();
+  RayBatch batch;
+  const auto read = (*reader)->read(batch, 7);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::interrupted);
+  EXPECT_EQ(asked, 3);
+}
+
 TEST(PlyReader, SaysHowManyRaysOfATruncatedFileAreComplete) {
   const std::string whole = ply_header("3", kStandardProperties) + row({0, 0, 0}, {1, 0, 0}, 1, 1) +
                             row({0, 0, 0}, {2, 0, 0}, 2, 1) + row({0, 0, 0}, {3, 0, 0}, 3, 1);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@ struct PlyReadOptions {
   bool allow_truncated = false;
   /// Bytes behind the last ray: false refuses them, true leaves them out and warns.
   bool allow_trailing = false;
+  /// Asked every megabyte; true ends read() with ErrorCode::interrupted. A file may hold nothing but rays that are
+  /// dropped, so that a read takes as long as the file.
+  std::function<bool()> cancelled = nullptr;
 };
 
 /// Reads ray clouds in the PLY layout of raycloudtools (docs/ray-cloud-ply.md) as a stream.
