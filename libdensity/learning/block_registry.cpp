@@ -13,7 +13,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kFoundVersion = 1, kRowsVersion = 1;
+constexpr int kFoundVersion = 2, kRowsVersion = 1;
 
 // The registry's own order: evidence counts by date, and by name where dates are the same.
 bool before(const DatedEvidence& a, const DatedEvidence& b) {

@@ -245,7 +245,61 @@ SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& ste
   return widest;
 }
 
+// The radii of the stems at the places by which a spacing is split, how many such places there are, and the radii of
+// what else is no witness.
+struct SplitFeet {
+  std::size_t places = 0;
+  std::vector<double> at_places, elsewhere;
+};
+
+SplitFeet split_feet(const std::vector<std::vector<PlacedStem>>& stems,
+                     const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, int parts) {
+  SplitFeet out;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    const std::vector<std::size_t> posts = most_on_lattice(stems[r], witnesses[r], spacing_m);
+    if (posts.size() < 2) continue;
+    std::vector<bool> used(stems[r].size(), false);
+    const double first = stems[r][posts.front()].chainage_m, last = stems[r][posts.back()].chainage_m;
+    const auto spans = static_cast<int>(std::lround((last - first) / spacing_m));
+    for (int k = 1; k < spans * parts; ++k) {
+      if (k % parts == 0) continue;
+      ++out.places;
+      const double at = first + (last - first) * k / (spans * parts);
+      std::size_t nearest = 0;
+      for (std::size_t i = 0; i < stems[r].size(); ++i)
+        if (std::abs(stems[r][i].chainage_m - at) < std::abs(stems[r][nearest].chainage_m - at)) nearest = i;
+      if (std::abs(stems[r][nearest].chainage_m - at) > kReach || used[nearest]) continue;
+      used[nearest] = true;
+      out.at_places.push_back(stems[r][nearest].stem.radius_m);
+    }
+    for (std::size_t i = 0; i < stems[r].size(); ++i)
+      if (!used[i] && !std::binary_search(witnesses[r].begin(), witnesses[r].end(), i))
+        out.elsewhere.push_back(stems[r][i].stem.radius_m);
+  }
+  return out;
+}
+
 }  // namespace
+
+int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
+                     const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, double min_m) {
+  constexpr std::size_t kLeastPlaces = 3, kLeastElsewhere = 10;
+  constexpr double kTaken = 0.75, kThicker = 0.9;
+  for (const int parts : {2, 3}) {
+    if (!(spacing_m / parts >= min_m)) break;
+    const SplitFeet feet = split_feet(stems, witnesses, spacing_m, parts);
+    if (feet.places < kLeastPlaces || feet.elsewhere.size() < kLeastElsewhere ||
+        static_cast<double>(feet.at_places.size()) < kTaken * static_cast<double>(feet.places))
+      continue;
+    double thinner = 0;  // pairs of a stem at a place and a thinner one elsewhere
+    for (const double radius_m : feet.at_places)
+      thinner += static_cast<double>(std::count_if(feet.elsewhere.begin(), feet.elsewhere.end(),
+                                                   [&](double other_m) { return other_m < radius_m; }));
+    const auto pairs = static_cast<double>(feet.at_places.size() * feet.elsewhere.size());
+    if (thinner >= kThicker * pairs) return parts;
+  }
+  return 1;
+}
 
 std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems) {
   std::vector<std::size_t> sure;

@@ -26,6 +26,12 @@ struct UsualSpacing {
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                            const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m);
 
+/// Into how many panels the usual spacing has to be split, 1 to 3: where every second or third post stands at a vine,
+/// the witnesses show the others alone. Those posts' feet tell then: stems at their places, at most of which there are
+/// some, that are thicker than nine of ten stems elsewhere.
+int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
+                     const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, double min_m);
+
 /// What posts and trunks of a block usually are like.
 struct UsualStems {
   double spacing_m = 0;  ///< of posts; NaN if unknown

@@ -84,6 +84,42 @@ TEST(PostLattice, AVineBesideAPostIsNotASecondOne) {
   EXPECT_NEAR(rows.spacing().spacing_m, 4, 0.02);
 }
 
+/// Three rows of 24 m with a vine every 1.7 m and posts every 6 m, of which those 6 and 18 m from the start stand at
+/// vines; `post_radius_m` is theirs, vines have 20–32 mm. Witnesses: the others.
+struct HiddenPosts {
+  std::vector<std::vector<PlacedStem>> stems;
+  std::vector<std::vector<std::size_t>> witnesses;
+
+  explicit HiddenPosts(double post_radius_m) {
+    for (int row = 0; row < 3; ++row) {
+      std::vector<PlacedStem> placed;
+      std::vector<std::size_t> seen;
+      const auto add = [&](double chainage_m, double radius_m, bool witness) {
+        if (witness) seen.push_back(placed.size());
+        placed.push_back({{}, chainage_m, 0});
+        placed.back().stem.radius_m = radius_m;
+      };
+      add(0, 0.06, true);
+      for (int vine = 0; vine < 14; ++vine) {
+        if (vine == 7) add(12, 0.036, true);
+        const double chainage_m = 0.92 + 1.7 * vine, radius_m = 0.020 + 0.001 * ((5 * vine + 7 * row) % 13);
+        const bool at_post = std::abs(chainage_m - 6) < 0.3 || std::abs(chainage_m - 18) < 0.3;
+        add(chainage_m, at_post ? post_radius_m : radius_m, false);
+      }
+      add(24, 0.06, true);
+      stems.push_back(placed), witnesses.push_back(seen);
+    }
+  }
+};
+
+TEST(PostLattice, PostsAtVinesShowByTheirFeet) {
+  const HiddenPosts thick(0.037), thin(0.026);
+  EXPECT_NEAR(usual_spacing(thick.stems, thick.witnesses, 2.5, 15).spacing_m, 12, 1e-9);
+  EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 2.5), 2);
+  EXPECT_EQ(parts_of_spacing(thin.stems, thin.witnesses, 12, 2.5), 1);
+  EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 7), 1) << "panels of 6 m are too short";
+}
+
 TEST(PostLattice, WithoutTwoPostsInARowThereIsNone) {
   Rows rows;
   rows.add({3});
