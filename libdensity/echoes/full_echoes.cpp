@@ -28,6 +28,9 @@ constexpr std::size_t kLeastForPlane = 5;
 constexpr float kColumnM = 0.08F;  // side
 constexpr float kSlack = 1.001F;   // of distances that are only to leave out what is farther away
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
+constexpr double kBrightest = 2;      // medians: what is brighter is no leaf
+constexpr double kOfMedian = 1.2533;  // error of a median over that of a mean
+constexpr double kFinest = 1e-3;
 
 /// Echoes in square columns, sorted by column and height.
 class EchoColumns {
@@ -187,6 +190,19 @@ std::vector<FullEcho> flattest(std::span<const FullEcho> echoes) {
   return out;
 }
 
+/// Mean of values, those above `most` as if they were that, and its standard error.
+struct Level {
+  double mean = 0, error = 0;
+};
+
+Level level_of(std::span<const double> values, double most) {
+  const auto n = static_cast<double>(values.size());
+  double sum = 0, squares = 0;
+  for (const double v : values) sum += std::min(v, most), squares += std::min(v, most) * std::min(v, most);
+  const double mean = sum / n;
+  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
+}
+
 /// Differences between the echoes of which `instrument` is above its median and the others.
 struct Contrast {
   double intensity = 0, cosine = 0;
@@ -254,11 +270,7 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
   cosine /= static_cast<double>(echoes.size());
   const double middle = median(values);
   if (!(middle > 0)) return out;
-  for (double& v : values) v = std::abs(v - middle);
-  constexpr double kFinest = 1e-3;
-  constexpr double kNormal = 1.4826, kOfMedian = 1.2533;  // spread from absolute deviations; error of a median
-  const double median_error =
-      kOfMedian * kNormal * median(values) / middle / std::sqrt(static_cast<double>(echoes.size()));
+  const Level level = level_of(values, kBrightest * middle);
   Contrast sum;
   for (std::size_t way = 0; way < FullEcho::kWays; ++way)
     for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) sum += contrast(echoes, way, half);
@@ -267,14 +279,15 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
   double slope_error = prior.error;
   if (span > 0.01) {
     const double measured = sum.intensity / sum.cosine / middle;
-    const double error = std::max(kFinest, 2 * median_error / span);  // of the difference of two halves' medians
+    // Of the difference of two halves' medians.
+    const double error = std::max(kFinest, 2 * kOfMedian * level.error / level.mean / span);
     const double weight = 1 / (error * error), prior_weight = 1 / (prior.error * prior.error);
     out.slope = (weight * measured + prior_weight * prior.slope) / (weight + prior_weight);
     slope_error = 1 / std::sqrt(weight + prior_weight);
   }
   const double step = kSphericalMeanCosine - cosine;
-  out.intensity = middle * (1 + out.slope * step), out.per_cosine = middle * out.slope;
-  out.error = std::hypot(median_error, slope_error * step);
+  out.intensity = level.mean * (1 + out.slope * step), out.per_cosine = level.mean * out.slope;
+  out.error = std::hypot(level.error / level.mean, slope_error * step);
   return out;
 }
 

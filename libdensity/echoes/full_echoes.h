@@ -55,8 +55,10 @@ struct AngleDependence {
 };
 
 /// Of those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them
-/// do not reach), so that bundles of canes are left out: their median, moved from their mean cosine to ⅔, that of rays
-/// that meet leaves of all orientations (hits go with the cosine). The slope on the way: difference of the medians of
+/// do not reach), so that bundles of canes are left out: their mean (of those brighter than two medians as if they were
+/// that), moved from their mean cosine to ⅔, that of rays that meet leaves of all orientations (hits go with the
+/// cosine). A mean, since some of each full echo is missing, and what scatters intensities, like speckle, moves a
+/// median then and no mean (docs/beams.md, "How it is taken out"). The slope on the way: difference of the medians of
 /// the full echoes on either side of the median of one half's cosine, over that of the means of the other half's (an
 /// instrument: errors of the angle do not make the slope flatter), of all ways to divide, weighted with `prior` by
 /// their errors.

@@ -11,8 +11,7 @@ namespace {
 
 constexpr int kRounds = 3;
 constexpr double kMostLost = 0.5;
-constexpr double kLossPerThickness = 0.27;  // times the detection share; fitted (docs/beams.md, "How it is taken out")
-constexpr double kThicknessReachM = 1.5;    // along the row
+constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
 
 /// The path of a voxel's beams, those parts of them that ran on behind their echoes included.
@@ -120,7 +119,7 @@ class ReturnedOfRow {
   double from_lost_share(std::size_t voxel, const BeamsOfVoxel& beams) const {
     const double width = model_.mean_width_m > 0 ? beams.width_m / model_.mean_width_m : 1;
     const double thickness = thickness_.empty() ? 0 : thickness_[voxel / section_.voxels()];
-    const double inside = std::exp(-kLossPerThickness * model_.detection_share * thickness);
+    const double inside = std::exp(-model_.lost_share * thickness);
     return (1 - std::min(kMostLost, model_.lost_share * width)) * inside;
   }
 

@@ -29,9 +29,9 @@ struct CrossSection {
 };
 
 /// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), D the mean width
-/// of the voxel's beams and D̄ that of all, t the detection share, T the optical path of a ray right across the row,
-/// within 1.5 m along it:
-///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),  R = (1 − lost_share·D/D̄)·exp(−0.27·t·T).
+/// of the voxel's beams and D̄ that of all, ℓ the lost share, T the optical path of a ray right across the row, within
+/// 1.5 m along it:
+///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),  R = (1 − ℓ·D/D̄)·exp(−ℓ·T).
 /// T comes from the round before: three rounds. Of lidars with several beams at a time R is the ReturnedShare of D over
 /// the side of a leaf, of the optical path before the voxel (the row's mean density times the path) and of the model's
 /// resolution_path.

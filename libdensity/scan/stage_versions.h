@@ -8,19 +8,19 @@ namespace rayfield::density {
 /// together because a scan that is whole (processed_scan.h) was made by all of them.
 inline constexpr int kSurveyVersion = 2;
 inline constexpr int kGroundVersion = 1;
-inline constexpr int kEvidenceVersion = 1;
-inline constexpr int kGeometryVersion = 3;
+inline constexpr int kEvidenceVersion = 2;
+inline constexpr int kGeometryVersion = 4;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 4;
-inline constexpr int kEchoesVersion = 6;
+inline constexpr int kEchoesVersion = 7;
 inline constexpr int kLeafAnglesVersion = 2;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 4;
-inline constexpr int kResultsVersion = 11;
+inline constexpr int kResultsVersion = 12;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 2;
-inline constexpr int kLeafVersion = 9;
-inline constexpr int kLeafByEstimateVersion = 6;
+inline constexpr int kLeafVersion = 10;
+inline constexpr int kLeafByEstimateVersion = 7;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,    kGroundVersion,     kEvidenceVersion,   kGeometryVersion,    kProfileVersion,
