@@ -10,7 +10,7 @@
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"
-#include "libdensity/leaf/slab_shadow.h"
+#include "libdensity/estimate/slab_shadow.h"
 #include "libdensity/leaf/wood_estimate.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"

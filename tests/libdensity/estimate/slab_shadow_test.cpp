@@ -1,4 +1,4 @@
-#include "libdensity/leaf/slab_shadow.h"
+#include "libdensity/estimate/slab_shadow.h"
 
 #include <gtest/gtest.h>
 
