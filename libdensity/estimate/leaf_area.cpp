@@ -6,6 +6,7 @@
 
 #include "libdensity/estimate/row_shares.h"
 #include "libdensity/estimate/slab_density.h"
+#include "libdensity/estimate/uneven_density.h"
 
 namespace rayfield::density {
 namespace {
@@ -45,6 +46,13 @@ float sampling_variance(const RowDensity& plant, const RowDensity& wood, std::si
   return static_cast<float>(std::max(0.0, variance));
 }
 
+/// What densities of each cross section are multiplied with to be corrected for unevenness as leaves are.
+std::vector<double> leaf_scales(const RowDensity& row, std::span<const double> of_leaves) {
+  std::vector<double> scales(row.chainage_m.size(), 1);
+  for (std::size_t along = 0; along < row.uneven.size(); ++along) scales[along] = of_leaves[along] / row.uneven[along];
+  return scales;
+}
+
 }  // namespace
 
 Result<RowDensity> subtract_wood(RowDensity plant, const RowDensity& wood) {
@@ -52,11 +60,17 @@ Result<RowDensity> subtract_wood(RowDensity plant, const RowDensity& wood) {
       plant.across_min_m != wood.across_min_m || plant.up_min_m != wood.up_min_m)
     return fail(ErrorCode::internal, "cannot subtract wood", "row " + std::to_string(plant.row),
                 "it was counted in another grid", "please report this");
+  const std::vector<double> of_leaves = correction_of_leaves(plant, wood);
+  const std::vector<double> plant_scales = leaf_scales(plant, of_leaves), wood_scales = leaf_scales(wood, of_leaves);
+  const std::size_t section = plant.shape().size() / plant.chainage_m.size();
   for (std::size_t i = 0; i < plant.density.size(); ++i) {
+    const double plant_scale = plant_scales[i / section], wood_scale = wood_scales[i / section];
     const bool known = plant.state[i] != VoxelState::unobserved && wood.state[i] != VoxelState::unobserved;
     const bool both_seen = plant.seen(i) && wood.seen(i);
     plant.variance[i] = known ? sampling_variance(plant, wood, i) : 0.0F;
-    plant.density[i] = known ? plant.density[i] - wood.density[i] : 0.0F;
+    plant.density[i] = known ? static_cast<float>(plant_scale * static_cast<double>(plant.density[i]) -
+                                                  wood_scale * static_cast<double>(wood.density[i]))
+                             : 0.0F;
     plant.state[i] = both_seen ? VoxelState::observed : known ? VoxelState::filled : VoxelState::unobserved;
   }
   plant.wood_area.clear();

@@ -12,10 +12,12 @@
 /// Leaves alone: what a scan sees less what a dormant scan of the same row sees, voxel by voxel.
 namespace rayfield::density {
 
-/// leaf = plant − wood in every voxel of one grid; variances, as far as they are of the sampling, add. Signed: where
-/// there are only canes their noise must be free to fall on either side of zero, or the sum over a panel holds the half
-/// of it that was kept. What one of the two did not see is unobserved and counts as 0. Masked wood is taken out of both
-/// alike and belongs to neither, and so the result has none. Errors: internal, when the grids differ.
+/// leaf = plant − wood in every voxel of one grid, both corrected for uneven density as the leaves alone show it
+/// (uneven_density.h): thick wood is more uneven than leaves, and few leaves among it would read wrong otherwise;
+/// variances, as far as they are of the sampling, add. Signed: where there are only canes their noise must be free to
+/// fall on either side of zero, or the sum over a panel holds the half of it that was kept. What one of the two did not
+/// see is unobserved and counts as 0. Masked wood is taken out of both alike and belongs to neither, and so the result
+/// has none. Errors: internal, when the grids differ.
 Result<RowDensity> subtract_wood(RowDensity plant, const RowDensity& wood);
 
 /// Of one part of a row.

@@ -7,6 +7,7 @@
 #include "libdensity/estimate/row_fill.h"
 #include "libdensity/estimate/row_wood.h"
 #include "libdensity/estimate/slab_density.h"
+#include "libdensity/estimate/uneven_density.h"
 #include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
@@ -132,7 +133,7 @@ std::size_t RowDensityBuilder::peak_bytes(const Shape3& shape, bool wide) {
   constexpr std::size_t kDensity = 2 * sizeof(float) + sizeof(VoxelState) + sizeof(float);  // with masked wood
   const std::size_t counted = kSums + sizeof(VoxelCounters) + (wide ? sizeof(EchoCounters) : 0);
   const std::size_t in_slabs = kSums + kDensity + 2 * sizeof(double);
-  const std::size_t filled = shape.size() * (kSums + kDensity) + fill_bytes(shape);
+  const std::size_t filled = shape.size() * (kSums + kDensity) + std::max(fill_bytes(shape), correction_bytes(shape));
   return std::max(shape.size() * std::max(counted, in_slabs), filled);
 }
 
@@ -156,6 +157,7 @@ RowDensity RowDensityBuilder::finish() && {
     assign();
     estimate_slabs(r, sums);
     pool_and_fill(r, sums);
+    correct_uneven_density(r, sums);
   }
   add_wood(r, wood_);
   return std::move(row_);

@@ -25,6 +25,11 @@ enum class VoxelState : std::uint8_t {
   filled = 3       ///< fewer than two rays: value of its slab, or of badly seen voxels, or mean of others, as deep
 };
 
+/// Sums of the densities of two neighbouring cross sections, in voxels and in twice as large ones.
+struct TwoSizes {
+  double fine = 0, doubled = 0;
+};
+
 /// Leaf area density of one row at one date, on one dense grid: the row's row segments side by side. Voxel (along,
 /// across, up) has index (along·n_across + across)·n_up + up.
 struct RowDensity {
@@ -45,6 +50,10 @@ struct RowDensity {
   std::vector<float> free_share;       ///< share of a column outside masked wood, [(along·n_across+across)]; empty = 1
   std::vector<std::uint32_t> entries;  ///< per along index: rays that enter the row there
   double leaf_size_m2 = 0;             ///< of one leaf, as used
+  /// What the densities were multiplied with for being uneven inside voxels, per along index, and what told it, per two
+  /// of them (correct_uneven_density(); empty of the published method).
+  std::vector<double> uneven;
+  std::vector<TwoSizes> two_sizes;
 
   Shape3 shape() const { return {n_along, n_across, n_up}; }
   std::size_t index(int along, int across, int up) const { return shape().index(along, across, up); }

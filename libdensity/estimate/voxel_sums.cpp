@@ -36,7 +36,7 @@ std::optional<BeamsOfVoxel> beams_of(const VoxelCounters& v, const EchoCounters&
 VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double returned, const EchoModel& model) {
   const double share = v.hits > 0 ? static_cast<double>(e.echo) / (model.full_echo * v.hits) : 0;
   VoxelSums s;
-  s.rays = v.rays;
+  s.rays = v.rays, s.ends = v.hits;
   s.hits = v.hits * share;
   s.hits_squared = v.hits * share * share * (1 + model.echo_variation);
   s.path = returned * path_of(v, e, model.full_echo);
@@ -137,7 +137,7 @@ std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters) {
   sums.reserve(counters.size());
   for (const VoxelCounters& v : counters) {
     const double hits = v.hits;
-    sums.push_back({v.rays, hits, hits, v.path_sides(), v.hit_path_sides(), v.potential_sides()});
+    sums.push_back({v.rays, v.hits, hits, hits, v.path_sides(), v.hit_path_sides(), v.potential_sides()});
   }
   return sums;
 }

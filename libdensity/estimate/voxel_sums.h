@@ -14,6 +14,7 @@ namespace rayfield::density {
 /// they are VoxelCounters; of wide beams what thin rays in their place would have counted, in the mean.
 struct VoxelSums {
   std::uint32_t rays = 0;
+  std::uint32_t ends = 0;  ///< rays that end inside, whatever their echoes hold
   double hits = 0;
   double hits_squared = 0;  ///< Σ of the squares of what hits count: the variance of `hits`
   double path = 0, hit_path = 0, potential = 0;

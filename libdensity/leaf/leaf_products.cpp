@@ -1,7 +1,6 @@
 #include "libdensity/leaf/leaf_products.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -10,7 +9,6 @@
 #include "libdensity/estimate/leaf_area.h"
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"
-#include "libdensity/estimate/slab_shadow.h"
 #include "libdensity/leaf/wood_estimate.h"
 #include "libdensity/results/leaf_values.h"
 #include "libdensity/results/results_io.h"
@@ -52,34 +50,12 @@ Result<std::optional<double>> leaf_size_of(ScanWork& work, const ScanVoxels& vox
   return pairs.leaf_size_m2();
 }
 
-// Voxels were fitted to what the leafy scan shows, wood with it, and are never smaller or larger than the options say.
-// What densities are multiplied by for them to be those of voxels that fit the leaves (docs/density.md, "Leaf area").
-double scale_to_fitted_voxels(double leaf_size_m2, double voxel_m, const VoxelFitOptions& fit) {
-  if (!fit.enabled) return 1;
-  const double fitted_m = fit.leaf_sides * std::sqrt(leaf_size_m2);
-  return 1 / (1 + slab_shadow(leaf_size_m2, voxel_m) - slab_shadow(leaf_size_m2, fitted_m));
-}
-
-void scale_density(RowDensity& row, double scale) {
-  for (float& density : row.density) density = static_cast<float>(scale * static_cast<double>(density));
-  for (float& variance : row.variance) variance = static_cast<float>(scale * scale * static_cast<double>(variance));
-}
-
-// How the densities of rows are estimated, and what follows from the leaves' size.
-struct LeafEstimate {
-  EstimatorOptions options;
-  double scale = 1;
-};
-
-Result<LeafEstimate> estimate_of(ScanWork& work, const ScanVoxels& voxels, const CountedWood& counted) {
-  LeafEstimate estimate{work.options.estimator};
+// How the densities of rows are estimated: as of leaves alone.
+Result<EstimatorOptions> estimator_of(ScanWork& work, const ScanVoxels& voxels, const CountedWood& counted) {
+  EstimatorOptions estimator = work.options.estimator;
   RAYFIELD_ASSIGN(const std::optional<double> leaf_size_m2, leaf_size_of(work, voxels, counted));
-  if (!leaf_size_m2) return estimate;
-  estimate.options.leaf_size_m2 = *leaf_size_m2;
-  const std::vector<RowSegment>& row_segments = voxels.row_segments.row_segments;
-  if (!row_segments.empty())
-    estimate.scale = scale_to_fitted_voxels(*leaf_size_m2, row_segments.front().voxel_m, work.options.voxel_fit);
-  return estimate;
+  if (leaf_size_m2) estimator.leaf_size_m2 = *leaf_size_m2;
+  return estimator;
 }
 
 // The rows of the results, in the order in which those were made of them.
@@ -96,10 +72,10 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
   const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
-  RAYFIELD_ASSIGN(const LeafEstimate estimate, estimate_of(work, voxels, counted));
+  RAYFIELD_ASSIGN(const EstimatorOptions estimator, estimator_of(work, voxels, counted));
   const auto leaves_of = [&](const Row& row, std::span<const Panel> panels,
                              std::span<PanelValue> values) -> Result<RowDensity> {
-    EstimatorOptions options = estimate.options;
+    EstimatorOptions options = estimator;
     RAYFIELD_ASSIGN(RowDensity of_plant,
                     plant.density(row.number, voxels.row_segments, voxels.wood, options, voxels.echoes));
     options.leaf_size_m2 = of_plant.leaf_size_m2;
@@ -108,7 +84,6 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
     // The published method knows nothing of how leaves are turned.
     if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
     RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
-    scale_density(leaf, estimate.scale);
     const std::vector<LeafSum> sums = leaf_of_panels(leaf, of_wood, panels);
     for (std::size_t k = 0; k < panels.size(); ++k)
       set_leaf_area(values[k], sums[k], panels[k].end_m - panels[k].start_m, layout.spacing_m, integration,
