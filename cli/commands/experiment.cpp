@@ -41,9 +41,7 @@ const Experiment& experiment_named(const std::string& name) {
 
 /// Makes the folder, and sees that nothing in the way of its files turns up after the experiment.
 Result<void> prepare_folder(const ExperimentArguments& arguments, const Experiment& experiment, bool overwrite) {
-  std::error_code failed;
-  fs::create_directories(arguments.folder, failed);
-  if (failed) return fail_output(failed.value(), "cannot make the folder", arguments.folder, "give another --output");
+  RAYFIELD_CHECK(make_output_folder(arguments.folder));
   std::vector<OutputPath> outputs;
   for (const std::string& chart : experiment.charts)
     for (const char* ending : {".png", ".svg"})

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/console/output_paths.h"
 #include "cli/products/exchange_products.h"
 #include "cli/products/export_block.h"
 #include "cli/products/export_needs.h"
@@ -18,6 +19,7 @@ struct ExportArguments {
 };
 
 Result<Outcome> run_export(const ExportArguments& arguments, const Context& context) {
+  RAYFIELD_CHECK(check_outside_stores(arguments.folder, "cannot export", "give another -o"));
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(arguments.store));
   Outcome outcome;
   outcome.data = {{"store", arguments.store},

@@ -41,7 +41,27 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
 }
 
+// A folder that every command would take for a store.
+bool is_store(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "store.json", ignored) && fs::exists(folder / "snapshots", ignored);
+}
+
 }  // namespace
+
+// Links on the way are followed: the place counts, not how it is written.
+Result<void> check_outside_stores(const fs::path& output, std::string_view what, std::string_view next) {
+  std::error_code failed;
+  const fs::path place = fs::weakly_canonical(fs::absolute(output, failed), failed);
+  if (failed) return {};  // such a place is refused where it is written to
+  for (fs::path folder = place;; folder = folder.parent_path()) {
+    if (is_store(folder))
+      return fail(ErrorCode::usage, what, output.string(),
+                  fmt::format("it lies in the store {}, where nothing but its own files belongs", folder.string()),
+                  next);
+    if (folder == folder.parent_path()) return {};
+  }
+}
 
 Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -52,6 +72,7 @@ Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const 
     const std::string another = "give another " + output.option;
     std::error_code ignored;
     if (fs::path(output.path).filename().empty()) return refuse("the path does not name a file", another);
+    RAYFIELD_CHECK(check_outside_stores(output.path, output.what, another));
     const fs::file_status status = fs::status(output.path, ignored);
     if (fs::is_directory(status)) return refuse("it is a folder", another);
     // A device or pipe would be replaced by a file.
@@ -70,6 +91,7 @@ Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const 
 
 Result<void> make_output_folder(const fs::path& folder) {
   constexpr std::string_view kWhat = "cannot make folder", kNext = "give another -o";
+  RAYFIELD_CHECK(check_outside_stores(folder, kWhat, kNext));
   std::error_code failed;
   std::vector<fs::path> made;  // the deepest first
   for (fs::path path = fs::absolute(folder, failed).lexically_normal(); !failed && !fs::exists(path, failed) && !failed;

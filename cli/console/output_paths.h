@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rayfield/core/result.h"
@@ -16,8 +17,13 @@ struct OutputPath {
   std::string path;
 };
 
+/// That an output does not lie in a store, nor in place of one: what is in that folder is the store's, and `gc` and
+/// `verify` look after it. `what`: "cannot export", `next`: "give another -o". Errors: usage.
+Result<void> check_outside_stores(const std::filesystem::path& output, std::string_view what, std::string_view next);
+
 /// Checks before hours of work what would make writing fail after them: that each path names a file in a folder that
-/// can be written to, is not there already (unless `overwrite`), and is neither one of `inputs` nor given twice.
+/// can be written to and is no store's, is not there already (unless `overwrite`), and is neither one of `inputs` nor
+/// given twice.
 /// Errors: usage, resources (no permission, no space for a file).
 Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite);
 
