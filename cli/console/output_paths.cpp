@@ -89,18 +89,22 @@ Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const 
   return {};
 }
 
-Result<void> make_output_folder(const fs::path& folder) {
+Result<OutputFolder> OutputFolder::make(const fs::path& folder) {
   constexpr std::string_view kWhat = "cannot make folder", kNext = "give another -o";
   RAYFIELD_CHECK(check_outside_stores(folder, kWhat, kNext));
+  OutputFolder output;
   std::error_code failed;
-  std::vector<fs::path> made;  // the deepest first
   for (fs::path path = fs::absolute(folder, failed).lexically_normal(); !failed && !fs::exists(path, failed) && !failed;
        path = path.parent_path())
-    if (path.has_filename()) made.push_back(path);
+    if (path.has_filename()) output.made_.push_back(path);
   if (!failed) fs::create_directories(folder, failed);
   if (failed) return fail_output(failed.value(), kWhat, folder.string(), kNext);
-  for (const fs::path& path : made) RAYFIELD_CHECK(sync_directory(path.parent_path().string(), kWhat, kNext));
-  return {};
+  for (const fs::path& path : output.made_) RAYFIELD_CHECK(sync_directory(path.parent_path().string(), kWhat, kNext));
+  return output;
+}
+
+OutputFolder::~OutputFolder() {
+  for (const fs::path& path : made_) ::rmdir(path.c_str());
 }
 
 NewOutputs::NewOutputs(std::span<const OutputPath> outputs) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "rayfield/core/result.h"
@@ -27,8 +28,20 @@ Result<void> check_outside_stores(const std::filesystem::path& output, std::stri
 /// Errors: usage, resources (no permission, no space for a file).
 Result<void> check_outputs(std::span<const OutputPath> outputs, std::span<const std::string> inputs, bool overwrite);
 
-/// Makes a folder for products and those above it, and their names durable. Errors: as fail_output().
-Result<void> make_output_folder(const std::filesystem::path& folder);
+/// A folder for products. It and those above it are made where they are missing, their names durable; what was made and
+/// is still empty at the end of this object goes again, so that a refused command leaves no folder behind.
+class OutputFolder {
+ public:
+  /// Errors: usage (in a store), as fail_output().
+  static Result<OutputFolder> make(const std::filesystem::path& folder);
+  OutputFolder(OutputFolder&& other) noexcept : made_(std::exchange(other.made_, {})) {}
+  OutputFolder& operator=(OutputFolder&&) = delete;
+  ~OutputFolder();
+
+ private:
+  OutputFolder() = default;
+  std::vector<std::filesystem::path> made_;  // the deepest first
+};
 
 /// Outputs that are not there yet. What of them has appeared is removed again unless keep() is called: a command that
 /// failed half-way can be run again as it was.
