@@ -59,8 +59,10 @@ void add_export_command(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
   add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
-  command->add_option("--snapshot", arguments->snapshot,
-                      "Number of the snapshot to export, see `rayfield log` (default: the newest)");
+  command
+      ->add_option("--snapshot", arguments->snapshot,
+                   "Number of the snapshot to export, see `rayfield log` (default: the newest)")
+      ->check(snapshot_number());
   command->add_option("--format", arguments->formats, "Formats (default: geotiff, gpkg, png; none with --profile)")
       ->delimiter(',')
       ->allow_extra_args(false)
