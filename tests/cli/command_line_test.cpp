@@ -66,6 +66,25 @@ TEST_F(CommandLine, AWrongValueIsAnsweredWithTheValuesThatAreTaken) {
   expect_refused(rayfield({"init", folder_.path("g"), "--crs", "foo"}), 2, "foo: PROJ does not know it");
 }
 
+// Of a short text the last bytes fail, of a long one those before.
+TEST_F(CommandLine, WhatCannotBePrintedIsNoSuccess) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
+                                                  {"--version"},
+                                                  {"process", "--help"},
+                                                  {"help"},
+                                                  {"help", "process"},
+                                                  {"completion", "bash"},
+                                                  {"options"},
+                                                  {"status", store()},
+                                                  {"status", store(), "--json"},
+                                                  {"log", store()},
+                                                  {"verify", store()}}) {
+    const Outcome run = rayfield_printing_to("/dev/full", command);
+    expect_refused(run, 5, "cannot write the result: stdout: No space left on device");
+    EXPECT_EQ(rayfield_printing_to("/dev/null", command).exit_code, 0) << command[0];
+  }
+}
+
 TEST_F(CommandLine, AMistypedNameIsAnsweredWithWhatWasMeant) {
   expect_refused(rayfield({"proces", store()}), 2, "did you mean process?");
   expect_refused(rayfield({"process", store(), "--thread", "4"}), 2, "did you mean --threads?");
