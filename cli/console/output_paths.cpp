@@ -1,6 +1,9 @@
 #include "cli/console/output_paths.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -45,6 +48,26 @@ bool same_file(const std::string& a, const std::string& b) {
 bool is_store(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(folder / "store.json", ignored) && fs::exists(folder / "snapshots", ignored);
+}
+
+// Writers of products look for folders of that name whose owner was killed, and leave locked ones alone.
+Result<std::pair<std::string, FileDescriptor>> hold_folder(const OutputPath& output) {
+  const fs::path target(output.path);
+  const std::string path = (target.parent_path() / ("." + target.filename().string() + ".part-lock")).string();
+  constexpr int kAttempts = 16;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return fail_output(errno, output.what, output.path);
+    FileDescriptor folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (!folder.valid() && errno == ENOENT) continue;
+    if (!folder.valid()) return fail_output(errno, output.what, path);
+    // File systems without flock() give no protection.
+    if (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) break;
+    struct stat status {};
+    // Removed between open() and flock() by a program that has just ended: once more.
+    if (::fstat(folder.get(), &status) == 0 && status.st_nlink > 0) return std::pair(path, std::move(folder));
+  }
+  return fail(ErrorCode::usage, output.what, output.path, "another rayfield is writing it",
+              "wait until it has finished, or give another " + output.option);
 }
 
 }  // namespace
@@ -107,14 +130,21 @@ OutputFolder::~OutputFolder() {
   for (const fs::path& path : made_) ::rmdir(path.c_str());
 }
 
-NewOutputs::NewOutputs(std::span<const OutputPath> outputs) {
+Result<NewOutputs> NewOutputs::hold(std::span<const OutputPath> outputs) {
+  NewOutputs all;
+  for (const OutputPath& output : outputs) {
+    RAYFIELD_ASSIGN(auto held, hold_folder(output));
+    all.held_.push_back(std::move(held));
+  }
   std::error_code ignored;
   for (const OutputPath& output : outputs)
-    if (!fs::exists(fs::symlink_status(output.path, ignored))) paths_.push_back(output.path);
+    if (!fs::exists(fs::symlink_status(output.path, ignored))) all.new_.push_back(output.path);
+  return all;
 }
 
 NewOutputs::~NewOutputs() {
-  for (const std::string& path : paths_) ::unlink(path.c_str());
+  for (const std::string& path : new_) ::unlink(path.c_str());
+  for (const auto& [path, folder] : held_) ::rmdir(path.c_str());
 }
 
 }  // namespace rayfield::cli

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "rayfield/core/file.h"
 #include "rayfield/core/result.h"
 
 namespace rayfield::cli {
@@ -43,18 +44,22 @@ class OutputFolder {
   std::vector<std::filesystem::path> made_;  // the deepest first
 };
 
-/// Outputs that are not there yet. What of them has appeared is removed again unless keep() is called: a command that
-/// failed half-way can be run again as it was.
+/// Outputs of a command that takes long, held against other programs until the end of this object. What was not there
+/// before is removed again unless keep() is called: a command that failed half-way can be run again as it was.
 class NewOutputs {
  public:
-  explicit NewOutputs(std::span<const OutputPath> outputs);
-  NewOutputs(const NewOutputs&) = delete;
-  NewOutputs& operator=(const NewOutputs&) = delete;
+  /// Holds an output by a locked folder `.<file>.part-lock` beside it; what a killed program leaves of that is taken
+  /// over. Errors: usage (another program is writing it), as fail_output().
+  static Result<NewOutputs> hold(std::span<const OutputPath> outputs);
+  NewOutputs(NewOutputs&&) noexcept = default;
+  NewOutputs& operator=(NewOutputs&&) = delete;
   ~NewOutputs();
-  void keep() { paths_.clear(); }
+  void keep() { new_.clear(); }
 
  private:
-  std::vector<std::string> paths_;
+  NewOutputs() = default;
+  std::vector<std::string> new_;
+  std::vector<std::pair<std::string, FileDescriptor>> held_;  // folders that are locked
 };
 
 }  // namespace rayfield::cli
