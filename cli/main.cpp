@@ -2,8 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -35,6 +38,13 @@ int report(const Error& error, bool json) {
   return static_cast<int>(error.code);
 }
 
+// Prints what a command says. A full disk behind stdout must not look like success: 0, or the error's exit code.
+int print(const std::string& text) {
+  const bool taken = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) == 0 && taken) return 0;
+  return report(rayfield::fail_output(errno, "cannot write the result", "stdout").value(), false);
+}
+
 // Declares the commands, puts a configuration file's options into the arguments, runs the one that was asked for, and
 // prints what it says: an error as one line, with --json as one document too.
 int run(int argc, char** argv) {
@@ -56,22 +66,26 @@ int run(int argc, char** argv) {
     std::vector<std::string> reversed(expanded->arguments.rbegin(), expanded->arguments.rend());
     app.parse(reversed);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
+    if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {  // --help, --version
+      std::ostringstream text;
+      app.exit(e, text, text);
+      return print(text.str());
+    }
     return report(with_config_place(rayfield::cli::usage_error(app, arguments, e), expanded->places), json);
   }
 
   const auto outcome = commands.run_parsed(command_line);
   if (!outcome) return report(with_config_place(outcome.error(), expanded->places), commands.options().json);
+  int not_printed = 0;
   if (commands.options().json) {
-    fmt::print("{}\n", outcome->data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    not_printed = print(outcome->data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   } else if (!commands.options().quiet) {
-    fmt::print("{}", rayfield::cli::printable(outcome->text));
+    not_printed = print(rayfield::cli::printable(outcome->text));
   }
   if (commands.options().quiet)
     for (const std::string& failure : outcome->failures)
       fmt::print(stderr, "rayfield: {}\n", rayfield::cli::printable(failure));
-  if (std::fflush(stdout) != 0)
-    return report({ErrorCode::resources, "cannot write the result", "stdout", "the output was not taken", ""}, false);
+  if (not_printed != 0) return not_printed;
   // `verify` ends with 4 when it found damage although it did its work.
   return outcome->data.is_object() ? outcome->data.value("exit_code", 0) : 0;
 }

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "cli/console/option_settings.h"
+#include "cli/console/output_paths.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/density/registry.h"
 #include "rayfield/formats/geopackage.h"
@@ -14,6 +15,7 @@ Result<tile::Store> open_or_make(const BlockUpdate& block) {
   std::error_code error;
   if (block.crs.empty() || std::filesystem::exists(block.store / "store.json", error))
     return tile::Store::open(block.store);
+  RAYFIELD_CHECK(check_outside_stores(block.store, "cannot make a store", "give another folder"));
   RAYFIELD_ASSIGN(const CrsInfo crs, lookup_projected_crs(block.crs));
   RAYFIELD_CHECK(check_crs_scale(crs.code));
   return tile::Store::create(block.store, {.crs = crs.code});
@@ -44,6 +46,7 @@ Result<density::ProcessOptions> prepare(const tile::Store& store, const BlockUpd
 }  // namespace
 
 Result<UpdateReport> update_block(const BlockUpdate& block, const UpdateOptions& options, Progress& progress) {
+  if (block.output) RAYFIELD_CHECK(check_outside_stores(*block.output, "cannot update the block", "give another -o"));
   RAYFIELD_ASSIGN(tile::Store store, open_or_make(block));
   RAYFIELD_CHECK(check_crs(store, block));
   RAYFIELD_ASSIGN(const density::ProcessOptions process, prepare(store, block, options));

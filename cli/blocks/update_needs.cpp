@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "cli/console/option_settings.h"
+#include "cli/console/output_paths.h"
 #include "cli/products/export_needs.h"
 #include "cli/scans/scan_needs.h"
 #include "rayfield/density/plan.h"
@@ -29,6 +30,7 @@ Result<Needs> products_needs(const tile::Store& store, const tile::Snapshot& sna
 
 Result<UpdateNeeds> update_needs(const BlockUpdate& block, const UpdateOptions& options, Progress& progress) {
   UpdateNeeds update;
+  if (block.output) RAYFIELD_CHECK(check_outside_stores(*block.output, "cannot update the block", "give another -o"));
   density::ProcessOptions process;
   RAYFIELD_CHECK(apply_settings(block.settings, process));
   process.memory_bytes = options.memory_bytes;

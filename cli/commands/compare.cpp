@@ -5,6 +5,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/option_settings.h"
+#include "cli/console/output_paths.h"
 #include "cli/products/compare_scans.h"
 #include "cli/products/season_report.h"
 #include "rayfield/tile/tile.h"
@@ -152,6 +153,8 @@ Result<Outcome> run_compare(const CompareArguments& arguments, const Context& co
   if (arguments.dates.size() == 1)
     return fail(ErrorCode::usage, "cannot compare dates", arguments.dates[0], "one date alone",
                 "give two dates, or none for the whole season");
+  if (!arguments.folder.empty())
+    RAYFIELD_CHECK(check_outside_stores(arguments.folder, "cannot compare dates", "give another -o"));
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(arguments.store));
   RAYFIELD_ASSIGN(Outcome outcome, arguments.dates.empty() ? compare_all(arguments, store, context)
                                                            : compare_two(arguments, store, context));

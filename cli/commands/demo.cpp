@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/commands/commands.h"
+#include "cli/console/output_paths.h"
 #include "cli/console/text.h"
 #include "cli/products/export_block.h"
 #include "cli/products/report_block.h"
@@ -99,6 +100,7 @@ Result<void> report_truth(const tile::Store& store, const std::vector<SimulatedS
 // Simulates the small vineyard at all its dates, maps it, and holds the areas against the truth.
 Result<Outcome> run_demo(const std::string& folder, const Context& context) {
   const DemoFolders folders(folder);
+  RAYFIELD_CHECK(check_outside_stores(folders.root, "cannot run the demonstration", "give another DIR"));
   RAYFIELD_CHECK(clear_folders(folders, context.options));
   RAYFIELD_ASSIGN(const sim::Site site, sim::parse_site(kDemoSite, "demo.toml"));
   Outcome outcome;

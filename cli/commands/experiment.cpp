@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/console/output_paths.h"
@@ -40,15 +41,15 @@ const Experiment& experiment_named(const std::string& name) {
 }
 
 /// Makes the folder, and sees that nothing in the way of its files turns up after the experiment.
-Result<void> prepare_folder(const ExperimentArguments& arguments, const Experiment& experiment, bool overwrite) {
-  std::error_code failed;
-  fs::create_directories(arguments.folder, failed);
-  if (failed) return fail_output(failed.value(), "cannot make the folder", arguments.folder, "give another --output");
+Result<OutputFolder> prepare_folder(const ExperimentArguments& arguments, const Experiment& experiment,
+                                    bool overwrite) {
+  RAYFIELD_ASSIGN(OutputFolder made, OutputFolder::make(arguments.folder));
   std::vector<OutputPath> outputs;
   for (const std::string& chart : experiment.charts)
     for (const char* ending : {".png", ".svg"})
       outputs.push_back({"--output", "cannot write picture", (fs::path(arguments.folder) / (chart + ending)).string()});
-  return check_outputs(outputs, {}, overwrite);
+  RAYFIELD_CHECK(check_outputs(outputs, {}, overwrite));
+  return made;
 }
 
 Result<Outcome> run_experiment(const ExperimentArguments& arguments, const Context& context) {
@@ -59,7 +60,11 @@ Result<Outcome> run_experiment(const ExperimentArguments& arguments, const Conte
     outcome.text = fmt::format("Would run the experiment {}\n", arguments.name);
     return outcome;
   }
-  if (!arguments.folder.empty()) RAYFIELD_CHECK(prepare_folder(arguments, experiment, context.options.overwrite));
+  std::optional<OutputFolder> made;
+  if (!arguments.folder.empty()) {
+    RAYFIELD_ASSIGN(OutputFolder folder, prepare_folder(arguments, experiment, context.options.overwrite));
+    made.emplace(std::move(folder));
+  }
   ExperimentRequest request = arguments.request;
   request.threads = context.options.threads;
   RAYFIELD_ASSIGN(const ExperimentReport report, experiment.run(request, context.progress));

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/console/output_paths.h"
 #include "cli/products/exchange_products.h"
 #include "cli/products/export_block.h"
 #include "cli/products/export_needs.h"
@@ -18,6 +19,7 @@ struct ExportArguments {
 };
 
 Result<Outcome> run_export(const ExportArguments& arguments, const Context& context) {
+  RAYFIELD_CHECK(check_outside_stores(arguments.folder, "cannot export", "give another -o"));
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(arguments.store));
   Outcome outcome;
   outcome.data = {{"store", arguments.store},
@@ -57,8 +59,10 @@ void add_export_command(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command->add_option("-o,--output", arguments->folder, "Folder to write to")->required();
   add_dates_option(*command, arguments->dates, "Only these dates or scans (default: all)");
-  command->add_option("--snapshot", arguments->snapshot,
-                      "Number of the snapshot to export, see `rayfield log` (default: the newest)");
+  command
+      ->add_option("--snapshot", arguments->snapshot,
+                   "Number of the snapshot to export, see `rayfield log` (default: the newest)")
+      ->check(snapshot_number());
   command->add_option("--format", arguments->formats, "Formats (default: geotiff, gpkg, png; none with --profile)")
       ->delimiter(',')
       ->allow_extra_args(false)

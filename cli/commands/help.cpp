@@ -27,7 +27,7 @@ Result<Outcome> show_help(const CLI::App& app, const std::string& name) {
 // rayfield.1, and rayfield-COMMAND.1 of every command.
 Result<Outcome> write_manual(const CLI::App& app, const std::filesystem::path& folder) {
   constexpr const char* kWhat = "cannot write manual";
-  RAYFIELD_CHECK(make_output_folder(folder));
+  RAYFIELD_ASSIGN(const OutputFolder made, OutputFolder::make(folder));
   const std::vector<CommandEntry> commands = command_table(app);
   const auto write = [&](const std::string& name, const std::string& page) {
     return formats::write_text_file((folder / (name + ".1")).string(), page, kWhat);

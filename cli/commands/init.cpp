@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cli/commands/commands.h"
+#include "cli/console/output_paths.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/density/registry.h"
 #include "rayfield/formats/reference_file.h"
@@ -28,7 +29,8 @@ Result<void> check_place(const SurveyedBlock& survey, const std::string& crs, Pr
 // A store without scans that has the same settings may be what an earlier run has left that was stopped, or that could
 // not make it durable: the same command goes on. Any other store is refused.
 Result<void> check_free(const std::string& folder, const tile::StoreConfig& config) {
-  if (!std::filesystem::exists(std::filesystem::path(folder) / "store.json")) return {};
+  if (!std::filesystem::exists(std::filesystem::path(folder) / "store.json"))
+    return check_outside_stores(folder, "cannot make a store", "give another folder");
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(folder));
   RAYFIELD_ASSIGN(const tile::Snapshot latest, store.latest());
   if (latest.scans.empty() && store.config().crs == config.crs && store.config().tile_size_m == config.tile_size_m)

@@ -41,7 +41,9 @@ void add_revert_command(Commands& commands) {
       commands, "revert", "Make a store hold what it held in an older snapshot; nothing is deleted",
       [number](const std::string& folder, Context& context) { return run_revert(folder, *number, context); },
       "rayfield revert myblock 12");
-  command->add_option("SNAPSHOT", *number, "Number of the snapshot, see `rayfield log`")->required();
+  command->add_option("SNAPSHOT", *number, "Number of the snapshot, see `rayfield log`")
+      ->required()
+      ->check(snapshot_number());
 }
 
 }  // namespace rayfield::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/commands/commands.h"
+#include "cli/console/output_paths.h"
 #include "cli/console/text.h"
 #include "cli/simulation/simulation.h"
 #include "cli/simulation/simulation_needs.h"
@@ -39,6 +40,7 @@ Result<void> select_dates(const std::vector<std::string>& wanted, sim::Site& sit
 
 // Nothing is simulated before it is known that every date's folder is free: a simulation takes minutes.
 Result<Outcome> run_simulate(SimulateArguments arguments, const Context& context) {
+  RAYFIELD_CHECK(check_outside_stores(arguments.folder, "cannot simulate", "give another -o"));
   RAYFIELD_ASSIGN(sim::Site site, sim::read_site(arguments.site));
   RAYFIELD_CHECK(select_dates(arguments.dates, site));
   Outcome outcome;

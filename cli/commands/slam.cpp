@@ -92,6 +92,8 @@ Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& 
   RAYFIELD_CHECK(apply_settings(arguments.settings, options));
   RAYFIELD_CHECK(options.validate());
   if (context.options.dry_run) return describe_slam(arguments, context.progress);
+  RAYFIELD_ASSIGN(NewOutputs outputs, NewOutputs::hold(outputs_of(arguments)));
+  RAYFIELD_CHECK(check_paths(arguments, context.options.overwrite));  // who held them may have ended meanwhile
   auto registered =
       arguments.given.empty()
           ? register_drive(arguments.log, arguments.rig, arguments.crs, false, options, context.progress)
@@ -100,7 +102,6 @@ Result<Outcome> run_slam_command(const SlamArguments& arguments, const Context& 
   RegisteredDrive& drive = *registered;
   Grid2<std::uint32_t> hits;
   if (!arguments.picture.empty()) hits = slam::plan_grid(*drive.trajectory, 15.0, 0.1);
-  NewOutputs outputs(outputs_of(arguments));
   RAYFIELD_ASSIGN(formats::PlyWriter cloud, write_rays(drive, arguments, hits, context.progress));
   if (!arguments.trajectory.empty())
     RAYFIELD_CHECK(

@@ -5,6 +5,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/console/option_settings.h"
+#include "cli/console/output_paths.h"
 #include "cli/products/exchange_products.h"
 #include "cli/products/zone_block.h"
 
@@ -69,6 +70,7 @@ Result<std::optional<RatesRequest>> rates_of(const ZoneArguments& arguments) {
 }
 
 Result<Outcome> run_zones(const ZoneArguments& arguments, const Context& context) {
+  RAYFIELD_CHECK(check_outside_stores(arguments.folder, "cannot make zones", "give another -o"));
   RAYFIELD_ASSIGN(const tile::Store store, tile::Store::open(arguments.store));
   ZoneRequest request;
   request.date = arguments.date, request.of = arguments.of;

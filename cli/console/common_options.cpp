@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <map>
 
 #include "rayfield/core/parallel.h"
 
@@ -38,6 +39,17 @@ void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const 
       ->allow_extra_args(false);  // what follows is not a date but, say, the store
 }
 
+const CLI::Validator& snapshot_number() {
+  static const CLI::Validator kNumber(
+      [](std::string& text) {
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        return digits && text.size() < 20 ? std::string()
+                                          : text + " is no snapshot's number, which are 1, 2, … (`rayfield log`)";
+      },
+      "");
+  return kNumber;
+}
+
 CLI::App* Commands::add_plain(const std::string& name, const std::string& description, const std::string& example,
                               std::function<Result<Outcome>(Context&)> run) {
   CLI::App* command = app_.add_subcommand(name, description);
@@ -56,15 +68,15 @@ CLI::App* Commands::add(const std::string& name, const std::string& description,
 // Options that all commands have, declared once, so that help, manual and completion agree.
 void Commands::add_common_options(CLI::App& command) {
   command.add_flag("--json", options_.json, "Print exactly one JSON document on stdout")->group("Common");
+  static const std::map<std::string, ProgressStyle> kStyles{{"bar", ProgressStyle::bar},
+                                                            {"plain", ProgressStyle::plain},
+                                                            {"json", ProgressStyle::json},
+                                                            {"none", ProgressStyle::none}};
   command
-      .add_option("--progress", options_.progress,
-                  "How to show progress on stderr: bar, plain, json or none (default: bar on a terminal, else plain)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressStyle>{{"bar", ProgressStyle::bar},
-                                                                               {"plain", ProgressStyle::plain},
-                                                                               {"json", ProgressStyle::json},
-                                                                               {"none", ProgressStyle::none}},
-                                          CLI::ignore_case)
-                      .description(""))
+      .add_option_function<std::string>(
+          "--progress", [this](const std::string& style) { options_.progress = kStyles.at(style); },
+          "How to show progress on stderr: bar, plain, json or none (default: bar on a terminal, else plain)")
+      ->transform(CLI::IsMember(&kStyles, CLI::ignore_case).description(""))
       ->type_name("bar|plain|json|none")
       ->group("Common");
   command.add_option("--threads", options_.threads, "Worker threads (default: all processors)")

@@ -68,6 +68,9 @@ class Commands {
 /// `--date`, which picks some of several scans: given several times or as a list with commas.
 void add_dates_option(CLI::App& command, std::vector<std::string>& dates, const std::string& meaning);
 
+/// Accepts the number of a snapshot: whole, as `rayfield log` shows it.
+const CLI::Validator& snapshot_number();
+
 /// "4G", "512M", "1.5GiB", "1000000" → bytes (binary multiples). Errors: usage.
 Result<std::uint64_t> parse_memory(const std::string& text);
 

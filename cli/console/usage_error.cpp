@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <optional>
+#include <string_view>
 
 #include "cli/console/suggestion.h"
 
@@ -24,6 +25,16 @@ std::optional<std::string> unknown_option(const CLI::App& command, const std::ve
 
 Error wrong_usage(std::string where, std::string why, std::string next) {
   return {ErrorCode::usage, "wrong usage", std::move(where), std::move(why), std::move(next)};
+}
+
+// "Could not convert: --tile-size = wide", of an option that takes a number.
+std::string said_of(const CLI::ParseError& problem) {
+  constexpr std::string_view kStart = "Could not convert: ", kMiddle = " = ";
+  const std::string text = problem.what();
+  const std::size_t middle = text.find(kMiddle);
+  if (text.rfind(kStart, 0) != 0 || middle == std::string::npos) return text;
+  return fmt::format("{}: {} is not a number of the kind that it takes",
+                     text.substr(kStart.size(), middle - kStart.size()), text.substr(middle + kMiddle.size()));
 }
 
 // What does not begin with a command.
@@ -65,7 +76,7 @@ Error usage_error(const CLI::App& app, const std::vector<std::string>& arguments
   if (const auto name = unknown_option(*command, arguments))
     return wrong_usage(where, "no such option: " + *name,
                        suggestion(name->substr(name->find_first_not_of('-')), option_names(*command), "--", help));
-  return wrong_usage(where, problem.what(), "see " + help);
+  return wrong_usage(where, said_of(problem), "see " + help);
 }
 
 }  // namespace rayfield::cli

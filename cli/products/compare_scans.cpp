@@ -69,7 +69,7 @@ Result<void> write_change_map(Products& p, const std::string& name) {
 }
 
 Result<void> write_products(Products& p, Progress& progress) {
-  RAYFIELD_CHECK(make_output_folder(p.folder));
+  RAYFIELD_ASSIGN(const OutputFolder made, OutputFolder::make(p.folder));
   progress.stage("compare", 4, "steps");
   RAYFIELD_CHECK(write_scatter(p));
   progress.advance(1);

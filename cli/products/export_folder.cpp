@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "cli/console/output_paths.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/text_file.h"
 #include "version.h"
@@ -31,18 +30,23 @@ bool is_there(const fs::path& path, std::uint64_t size, const std::string& sha25
 
 }  // namespace
 
-ExportFolder::ExportFolder(fs::path folder, std::string block, bool keep, formats::ProductFolder products)
-    : folder_(std::move(folder)), block_(std::move(block)), keep_(keep), products_(std::move(products)) {
+ExportFolder::ExportFolder(fs::path folder, std::string block, bool keep, OutputFolder made,
+                           formats::ProductFolder products)
+    : folder_(std::move(folder)),
+      block_(std::move(block)),
+      keep_(keep),
+      made_(std::move(made)),
+      products_(std::move(products)) {
   read_list();
 }
 
 std::string ExportFolder::list_name() const { return block_ + "_products.json"; }
 
 Result<ExportFolder> ExportFolder::open(const fs::path& folder, const std::string& block, bool keep) {
-  RAYFIELD_CHECK(make_output_folder(folder));
+  RAYFIELD_ASSIGN(OutputFolder made, OutputFolder::make(folder));
   RAYFIELD_ASSIGN(formats::ProductFolder products,
                   formats::ProductFolder::create(folder.string(), block + "_products.json", kWhat));
-  return ExportFolder(folder, block, keep, std::move(products));
+  return ExportFolder(folder, block, keep, std::move(made), std::move(products));
 }
 
 // A list that cannot be read, or is of another version, counts as none: everything is written.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/console/output_paths.h"
 #include "rayfield/core/result.h"
 #include "rayfield/formats/product_folder.h"
 
@@ -13,7 +14,7 @@ namespace rayfield::cli {
 
 /// The folder that products are exported to. They appear in it together, and with them a list,
 /// `<block>_products.json` (docs/products.md), that names each with its SHA-256 and what it was made of. Another export
-/// may keep the products that it would make of the same.
+/// may keep the products that it would make of the same. A folder that was made for nothing goes again.
 class ExportFolder {
  public:
   /// `keep`: leave what is made of the same as it is. Errors: as ProductFolder::create().
@@ -44,7 +45,8 @@ class ExportFolder {
     std::uint64_t snapshot = 0, size = 0;
     std::string sha256, source;
   };
-  ExportFolder(std::filesystem::path folder, std::string block, bool keep, formats::ProductFolder products);
+  ExportFolder(std::filesystem::path folder, std::string block, bool keep, OutputFolder made,
+               formats::ProductFolder products);
   std::string list_name() const;
   void read_list();
   bool intact(const std::string& name) const;
@@ -52,6 +54,7 @@ class ExportFolder {
   std::filesystem::path folder_;
   std::string block_;
   bool keep_;
+  OutputFolder made_;  // before what is written into it, and so gone after that
   formats::ProductFolder products_;
   std::string listed_content_;
   std::vector<std::string> listed_products_;    // that listed_content_ consists of

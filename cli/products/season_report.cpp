@@ -93,7 +93,7 @@ Result<SeasonReport> report_season(const tile::Store& store, const std::optional
                 "add and process another");
   SeasonReport report{density::season_values(block), {}};
   if (!folder) return report;
-  RAYFIELD_CHECK(make_output_folder(*folder));
+  RAYFIELD_ASSIGN(const OutputFolder made, OutputFolder::make(*folder));
   progress.stage("season", block.rows.size() + 1, "pictures");
   report.files.push_back(*folder / (block.block + "_season.csv"));
   RAYFIELD_CHECK(formats::write_season_csv(report.values, report.files.back().string()));

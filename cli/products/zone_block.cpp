@@ -94,7 +94,7 @@ Result<void> write_products(const tile::Store& store, const tile::Snapshot& snap
                             const std::optional<Prescription>& rates, const ZoneRequest& request, ZoneReport& report,
                             Progress& progress) {
   const std::string stem = fmt::format("{}_{}_", map.block, map.scan.scan_id), last = stem + "zones.gpkg";
-  RAYFIELD_CHECK(make_output_folder(*request.folder));
+  RAYFIELD_ASSIGN(const OutputFolder made, OutputFolder::make(*request.folder));
   RAYFIELD_ASSIGN(const formats::ProductFolder folder,
                   formats::ProductFolder::create(request.folder->string(), last, kWhat));
   const auto path = [&](const std::string& ending) {

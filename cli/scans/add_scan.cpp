@@ -211,7 +211,8 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   RAYFIELD_ASSIGN(const ScanPlacement placement, place(store, source, inputs, options, progress));
   options.alignment = placement.record;
   options.attachments.push_back({"alignment.json", alignment_file(placement)});
-  DatedSource dated(source, options.date, store.config().crs);
+  PlacedSource placed(source, latest, replaced);
+  DatedSource dated(placed, options.date, store.config().crs);
   const auto aligned = placement.alignment ? align::open_aligned(dated, *placement.alignment) : nullptr;
   Result<tile::AddReport> report = store.add(aligned ? *aligned : static_cast<RaySource&>(dated), options, progress);
   if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};

@@ -36,8 +36,7 @@ Result<void> move_files(const fs::path& from, const fs::path& to) {
 Result<StagedFolder> StagedFolder::create(const fs::path& target) {
   const fs::path path = target.parent_path() / ("." + target.filename().string() + ".part");
   std::error_code failed;
-  if (!target.parent_path().empty()) fs::create_directories(target.parent_path(), failed);
-  if (failed) return fail_output(failed.value(), kWhat, target.string());
+  RAYFIELD_ASSIGN(OutputFolder parent, OutputFolder::make(path.parent_path().empty() ? "." : path.parent_path()));
   const auto open_it = [&] {
     return FileDescriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   };
@@ -51,11 +50,14 @@ Result<StagedFolder> StagedFolder::create(const fs::path& target) {
   FileDescriptor lock = open_it();
   if (!lock.valid()) return fail_output(errno, kWhat, path.string());
   ::flock(lock.get(), LOCK_EX);
-  return StagedFolder(target, path, std::move(lock));
+  return StagedFolder(target, path, std::move(parent), std::move(lock));
 }
 
 StagedFolder::StagedFolder(StagedFolder&& other) noexcept
-    : target_(std::move(other.target_)), path_(std::exchange(other.path_, {})), lock_(std::move(other.lock_)) {}
+    : target_(std::move(other.target_)),
+      path_(std::exchange(other.path_, {})),
+      parent_(std::move(other.parent_)),
+      lock_(std::move(other.lock_)) {}
 
 StagedFolder::~StagedFolder() {
   std::error_code ignored;

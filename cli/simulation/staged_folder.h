@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "cli/console/output_paths.h"
 #include "rayfield/core/file.h"
 #include "rayfield/core/result.h"
 
@@ -11,7 +12,8 @@ namespace rayfield::cli {
 /// Removed when it is never published; what a killed program leaves is removed by the next one.
 class StagedFolder {
  public:
-  /// Errors: resources, usage (another program is writing the same folder).
+  /// Makes the folders above it, too. Errors: resources, usage (another program is writing the same folder; in a
+  /// store).
   static Result<StagedFolder> create(const std::filesystem::path& target);
   StagedFolder(StagedFolder&& other) noexcept;
   StagedFolder& operator=(StagedFolder&&) = delete;
@@ -22,9 +24,10 @@ class StagedFolder {
   Result<void> publish();
 
  private:
-  StagedFolder(std::filesystem::path target, std::filesystem::path path, FileDescriptor lock)
-      : target_(std::move(target)), path_(std::move(path)), lock_(std::move(lock)) {}
+  StagedFolder(std::filesystem::path target, std::filesystem::path path, OutputFolder parent, FileDescriptor lock)
+      : target_(std::move(target)), path_(std::move(path)), parent_(std::move(parent)), lock_(std::move(lock)) {}
   std::filesystem::path target_, path_;
+  OutputFolder parent_;
   FileDescriptor lock_;
 };
 

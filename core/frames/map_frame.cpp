@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -94,11 +95,28 @@ PjPtr horizontal_part(PJ_CONTEXT* context, PjPtr crs) {
   return crs;
 }
 
+// Letters and digits alone, in lower case: "GDA2020_MGA_Zone_54" is "GDA2020 / MGA zone 54".
+std::string plain_name(std::string_view text) {
+  std::string name;
+  for (const char c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+// What is no code, WKT, JSON or PROJ string is a name to PROJ, which gives whatever bears a similar one: for "foo"
+// Amersfoort.
+bool is_similar_only(const std::string& text, const PJ* crs) {
+  return text.find_first_of(":[{=") == std::string::npos && plain_name(text) != plain_name(proj_get_name(crs));
+}
+
 Result<PjPtr> open_projected(PJ_CONTEXT* context, const std::string& code) {
   database_failed = false;
   PjPtr crs(proj_create(context, trimmed(code).c_str()));
   if (!crs) return tl::make_unexpected(unknown_crs(context, code));
   if (!proj_is_crs(crs.get())) return bad_crs(code, "PROJ does not know it");
+  if (is_similar_only(code, crs.get()))
+    return bad_crs(code, fmt::format("PROJ does not know it; the most similar is '{}'", proj_get_name(crs.get())));
   crs = horizontal_part(context, std::move(crs));
   const PJ_TYPE type = proj_get_type(crs.get());
   if (type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS || type == PJ_TYPE_GEOCENTRIC_CRS)

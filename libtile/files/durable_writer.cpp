@@ -70,6 +70,9 @@ Result<FileEntry> DurableWriter::write(std::span<const std::byte> bytes, const s
   if (error == 0 && std::rename(temporary.c_str(), final_path.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());
+    if (error == EISDIR)
+      return fail(ErrorCode::damaged, "cannot write", final_path.string(), "a folder stands in place of this file",
+                  "move it away and run the same command again");
     return fail_io(error, "cannot write", final_path);
   }
   touch(directory);

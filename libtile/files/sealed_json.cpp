@@ -48,7 +48,8 @@ Result<nlohmann::ordered_json> read_sealed_json(std::string_view what, const std
   constexpr std::string_view kCannotRead = "cannot read the store";
   auto opened = open_regular_file(path.string(), kCannotRead);
   if (!opened) {  // a store without it, or with a pipe in its place, is damaged
-    if (opened.error().code == ErrorCode::bad_input) opened.error().code = ErrorCode::damaged;
+    if (opened.error().code == ErrorCode::bad_input)
+      opened.error().code = ErrorCode::damaged, opened.error().next = "run `rayfield verify`";
     return tl::make_unexpected(std::move(opened).error());
   }
   const InputDescriptor& file = *opened;

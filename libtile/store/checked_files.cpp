@@ -15,7 +15,7 @@ tl::unexpected<Error> file_damaged(const std::filesystem::path& path, const std:
 }
 
 Error as_damage(Error error) {
-  if (error.code == ErrorCode::bad_input) error.code = ErrorCode::damaged;
+  if (error.code == ErrorCode::bad_input) error.code = ErrorCode::damaged, error.next = "run `rayfield verify`";
   return error;
 }
 
@@ -24,8 +24,10 @@ Result<void> CheckedFiles::check(const FileEntry& file) const {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
     if (errno == ENOENT) return file_damaged(path, "the file is missing");
+    if (errno == ENOTDIR) return file_damaged(path, "something else stands in place of its folder");
     return fail_errno(errno, "cannot read file of the store", path.string());
   }
+  if (!S_ISREG(status.st_mode)) return file_damaged(path, "it is a folder, or something else than a file");
   const Seen found{file.sha256, static_cast<std::uint64_t>(status.st_ino), static_cast<std::uint64_t>(status.st_size),
                    static_cast<std::int64_t>(status.st_mtim.tv_sec), static_cast<std::int64_t>(status.st_mtim.tv_nsec)};
   if (found.size != file.size) return file_damaged(path, "the file is not as long as it was written");

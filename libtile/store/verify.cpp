@@ -1,12 +1,16 @@
 #include "libtile/store/verify.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <tuple>
 
 #include "libtile/files/sealed_json.h"
+#include "libtile/files/store_folder.h"
 #include "libtile/files/store_layout.h"
 #include "libtile/store/snapshot_chain.h"
 #include "rayfield/core/file.h"
@@ -38,6 +42,42 @@ Result<std::optional<std::string>> problem_of(const std::filesystem::path& store
   return std::nullopt;
 }
 
+// Links in a folder of the store and in `levels` of folders below it: commands that write refuse them.
+Result<void> find_links(const FileDescriptor& store, const std::filesystem::path& store_path,
+                        const std::filesystem::path& relative, int levels, std::vector<Damage>& damage) {
+  RAYFIELD_ASSIGN(const FileDescriptor folder, open_folder_below(store, relative, store_path));
+  if (!folder.valid()) return {};
+  RAYFIELD_ASSIGN(const std::vector<FolderEntry> entries, list_folder(folder, store_path / relative));
+  for (const FolderEntry& entry : entries) {
+    const std::filesystem::path path = relative / entry.name;
+    if (entry.kind == FolderEntry::Kind::link)
+      damage.push_back({path.generic_string(), "it is a link where a folder of the store belongs"});
+    else if (entry.kind == FolderEntry::Kind::folder && levels > 0)
+      RAYFIELD_CHECK(find_links(store, store_path, path, levels - 1, damage));
+  }
+  return {};
+}
+
+// Whatever stands where a folder of the store, or its lock, belongs. Readers would follow a link without a word.
+Result<std::vector<Damage>> misplaced(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 5> kFolders = {layout::kSnapshots, layout::kScans, layout::kRegistry,
+                                                        layout::kTemporary, layout::kTrash};
+  std::vector<Damage> damage;
+  RAYFIELD_ASSIGN(const FileDescriptor store, open_store_folder(path));
+  RAYFIELD_ASSIGN(const std::vector<FolderEntry> entries, list_folder(store, path));
+  for (const FolderEntry& entry : entries) {
+    const bool is_folder = std::find(kFolders.begin(), kFolders.end(), entry.name) != kFolders.end();
+    if (is_folder && entry.kind != FolderEntry::Kind::folder)
+      damage.push_back({entry.name, "it is a link or a file where a folder of the store belongs"});
+    if (entry.name == layout::kLock && entry.kind != FolderEntry::Kind::file)
+      damage.push_back({entry.name, "it is a link or something else than a file"});
+    if (entry.kind != FolderEntry::Kind::folder) continue;
+    if (entry.name == layout::kScans) RAYFIELD_CHECK(find_links(store, path, entry.name, 1, damage));
+    if (entry.name == layout::kRegistry) RAYFIELD_CHECK(find_links(store, path, entry.name, 0, damage));
+  }
+  return damage;
+}
+
 // Files of the snapshots, each once.
 std::vector<FileEntry> files_to_check(const SnapshotChain& chain, bool all) {
   std::map<std::tuple<std::string, std::string, std::uint64_t>, FileEntry> files;
@@ -54,7 +94,7 @@ std::vector<FileEntry> files_to_check(const SnapshotChain& chain, bool all) {
 
 Result<std::vector<Damage>> verify_store(const std::filesystem::path& folder, bool all, int threads,
                                          Progress& progress) {
-  std::vector<Damage> damage;
+  RAYFIELD_ASSIGN(std::vector<Damage> damage, misplaced(folder));
   if (const auto config = read_sealed_json("store", folder / layout::kStoreFile); !config) {
     if (config.error().code == ErrorCode::resources) return tl::make_unexpected(config.error());
     damage.push_back({layout::kStoreFile, config.error().why});

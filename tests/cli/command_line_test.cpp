@@ -51,6 +51,40 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   expect_refused(rayfield({"add", store(), "x.ply", "--date", "2019-02-30"}), 2, "calendar");
 }
 
+TEST_F(CommandLine, AWrongValueIsAnsweredWithTheValuesThatAreTaken) {
+  expect_refused(rayfield({"status", store(), "--progress", "foo"}), 2, "--progress: foo not in {bar,json,none,plain}");
+  expect_refused(rayfield({"status", store(), "--progress", "1"}), 2, "--progress: 1 not in");
+  EXPECT_EQ(rayfield({"status", store(), "--progress", "JSON"}).exit_code, 0);
+  for (const std::string number : {"-1", "foo", "1.5", "99999999999999999999"}) {
+    const std::string why = ": " + number + " is no snapshot's number";
+    expect_refused(rayfield({"revert", store(), number}), 2, "SNAPSHOT" + why);
+    expect_refused(rayfield({"export", store(), "-o", folder_.path("o"), "--snapshot", number}), 2, "--snapshot" + why);
+  }
+  expect_refused(rayfield({"revert", store(), "7"}), 2, "unknown snapshot: 7");
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "EPSG:32632", "--tile-size", "wide"}), 2,
+                 "--tile-size: wide is not a number");
+  expect_refused(rayfield({"init", folder_.path("g"), "--crs", "foo"}), 2, "foo: PROJ does not know it");
+}
+
+// Of a short text the last bytes fail, of a long one those before.
+TEST_F(CommandLine, WhatCannotBePrintedIsNoSuccess) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
+                                                  {"--version"},
+                                                  {"process", "--help"},
+                                                  {"help"},
+                                                  {"help", "process"},
+                                                  {"completion", "bash"},
+                                                  {"options"},
+                                                  {"status", store()},
+                                                  {"status", store(), "--json"},
+                                                  {"log", store()},
+                                                  {"verify", store()}}) {
+    const Outcome run = rayfield_printing_to("/dev/full", command);
+    expect_refused(run, 5, "cannot write the result: stdout: No space left on device");
+    EXPECT_EQ(rayfield_printing_to("/dev/null", command).exit_code, 0) << command[0];
+  }
+}
+
 TEST_F(CommandLine, AMistypedNameIsAnsweredWithWhatWasMeant) {
   expect_refused(rayfield({"proces", store()}), 2, "did you mean process?");
   expect_refused(rayfield({"process", store(), "--thread", "4"}), 2, "did you mean --threads?");

@@ -120,6 +120,18 @@ TEST_F(Memory, ABlockMuchLargerThanTheBoundIsProcessedAndExportedWithinIt) {
   EXPECT_EQ(content_of(store), content_of(other));
 }
 
+// Each of four rows fits into the smallest bound, all at once do not.
+TEST_F(Memory, RowsThatWouldNotFitTogetherAreProcessedWithinTheSmallestBound) {
+  const std::string store = add("rows", {{{500100, 6100100}, 4, 180}}), other = copy_of(store, "other");
+  const Outcome run = rayfield({"process", store, "--memory", "256M", "--threads", "4", "-q"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(run.peak_bytes, 256 * kMiB);
+  const Outcome roomy = rayfield({"process", other, "--memory", "8G", "--threads", "4", "-q"});
+  ASSERT_EQ(roomy.exit_code, 0) << roomy.err;
+  EXPECT_GT(roomy.peak_bytes, 300 * kMiB) << "it would fit by itself";
+  EXPECT_EQ(content_of(store), content_of(other));
+}
+
 TEST_F(Memory, ARowTooLongForTheBoundIsRefusedInOneLineThatSaysWhatItTakes) {
   const std::string store = add("long", {{{500100, 6100100}, 1, 700}});
   const Outcome refused = rayfield({"process", store, "--memory", "256M"});

@@ -29,11 +29,12 @@ namespace {
 class Run {
  public:
   template <class F>
-  Run(const std::vector<std::string>& arguments, F&& prepare) {
+  Run(const std::vector<std::string>& arguments, F&& prepare, const std::string& stdout_path = {}) {
     child_ = fork();
     if (child_ != 0) return;
     prepare();
-    const int out_file = open(capture_.path("out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const std::string out_path = stdout_path.empty() ? capture_.path("out") : stdout_path;
+    const int out_file = open(out_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int err_file = open(capture_.path("err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     dup2(out_file, STDOUT_FILENO);
     dup2(err_file, STDERR_FILENO);
@@ -94,6 +95,12 @@ Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std:
                const rlimit limit{bytes, bytes};
                setrlimit(RLIMIT_FSIZE, &limit);
              })
+      .finish();
+}
+
+Outcome rayfield_printing_to(const std::string& path, const std::vector<std::string>& arguments) {
+  return Run(
+             arguments, [] {}, path)
       .finish();
 }
 

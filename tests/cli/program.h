@@ -23,6 +23,9 @@ Outcome rayfield(const std::vector<std::string>& arguments, const std::map<std::
 /// The same with a limit on the size of any file that it writes: what a full disk looks like.
 Outcome rayfield_with_file_limit(const std::vector<std::string>& arguments, std::uint64_t bytes);
 
+/// The same with its stdout going to `path`, such as /dev/full.
+Outcome rayfield_printing_to(const std::string& path, const std::vector<std::string>& arguments);
+
 /// The same, with a Ctrl-C as soon as its stderr holds `text`.
 Outcome rayfield_interrupted_at(const std::vector<std::string>& arguments, const std::string& text);
 

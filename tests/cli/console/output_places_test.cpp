@@ -71,5 +71,19 @@ TEST_F(OutputPlaces, APipeIsNotReplacedByAFile) {
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
+// Here it is a store with a map missing.
+TEST_F(OutputPlaces, ARefusedCommandLeavesNoFolderBehind) {
+  const std::string damaged = work_->path("damaged"), place = work_->path("new/maps");
+  std::filesystem::copy(store(), damaged, std::filesystem::copy_options::recursive);
+  for (const auto& entry : std::filesystem::directory_iterator(damaged + "/scans/2021-07-01/raster"))
+    std::filesystem::remove(entry.path());
+  for (const Command& command :
+       {Command{"export", damaged, "-o", place, "-q"}, Command{"zones", damaged, "-o", place, "-q"}}) {
+    expect_line(command, 4);
+    EXPECT_FALSE(std::filesystem::exists(work_->path("new"))) << command[0];
+    std::filesystem::remove_all(work_->path("new"));
+  }
+}
+
 }  // namespace
 }  // namespace rayfield::test

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/lane_cloud.h"
@@ -65,6 +66,29 @@ TEST_F(ScanPlace, AScanMayTakeThePlaceOfTheOnlyOneFromElsewhere) {
   write_file(path, lane_cloud(50, "binary_little_endian", true, 500000, 5100000));
   const Outcome run = rayfield({"add", store(), path, "--date", "2020-09-13", "--no-align", "--overwrite", "-q"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+// The first rays alone do not tell: the second half is of a place 14 km away.
+TEST_F(ScanPlace, ACloudHalfOfWhichLiesElsewhereIsTakenAndTold) {
+  std::string cloud = lane_cloud(10000);
+  const std::size_t body = cloud.find("end_header\n") + 11, ray_bytes = (cloud.size() - body) / 10000;
+  for (std::size_t ray = 5000; ray < 10000; ++ray) {
+    const double east_m = 514000;
+    std::memcpy(cloud.data() + body + ray * ray_bytes, &east_m, sizeof(east_m));
+  }
+  const std::string path = folder_.path("halves.ply"), other = folder_.path("other");
+  write_file(path, cloud);
+  ASSERT_EQ(rayfield({"init", other, "--crs", "EPSG:32632"}).exit_code, 0);
+  for (const auto& [block, from] :
+       {std::pair{store(), "the other scans of the block"}, {other, "where the scan begins"}}) {
+    const Outcome run = rayfield({"add", block, path, "--date", "2020-09-14", "--no-align", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const std::string told = std::string("5 000 of 10 000 rays (50 %) begin up to 14 km from ") + from;
+    EXPECT_THAT(nlohmann::json::parse(run.out)["warnings"].dump(), HasSubstr(told));
+    EXPECT_THAT(run.err, HasSubstr(told));
+    EXPECT_THAT(rayfield({"status", block}).out, HasSubstr(told));
+  }
+  EXPECT_THAT(add(500800, 5200000, "2020-09-15").err, testing::Not(HasSubstr("km from")));
 }
 
 }  // namespace

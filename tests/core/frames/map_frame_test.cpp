@@ -17,6 +17,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 TEST(LookupProjectedCrs, AcceptsProjectedMetricSystems) {
   for (const char* code : {"EPSG:7854", "EPSG:32633", "EPSG:2154", "EPSG:28354"})
     EXPECT_TRUE(lookup_projected_crs(code)) << code;
+  for (const char* name : {"WGS 84 / UTM zone 33N", " wgs84 / utm ZONE 33n", "WGS_84_UTM_zone_33N"}) {
+    const auto named = lookup_projected_crs(name);
+    ASSERT_TRUE(named) << name << named.error().line();
+    EXPECT_EQ(named->code, "EPSG:32633");
+  }
 }
 
 TEST(LookupProjectedCrs, RefusesGeographicUnknownAndImperialSystemsWithAReason) {
@@ -30,6 +35,7 @@ TEST(LookupProjectedCrs, RefusesGeographicUnknownAndImperialSystemsWithAReason) 
   EXPECT_NE(why("EPSG:4326").find("geographic"), std::string::npos);
   EXPECT_NE(why("EPSG:999999").find("not know"), std::string::npos);
   EXPECT_NE(why("nonsense").find("not know"), std::string::npos);
+  EXPECT_NE(why("foo").find("not know"), std::string::npos);
   EXPECT_NE(why("").find("not know"), std::string::npos);
   EXPECT_NE(why("EPSG:2272").find("metres"), std::string::npos);  // Pennsylvania South, US survey feet
   EXPECT_NE(why("EPSG:4978").find("geographic"), std::string::npos);

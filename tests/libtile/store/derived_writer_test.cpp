@@ -57,6 +57,20 @@ TEST_F(Derived, WhatIsPutAndCommittedIsReadBack) {
   EXPECT_TRUE(damage_of(store_).empty());
 }
 
+// It is not the disk, nor an input, that keeps the file from being written anew.
+TEST_F(Derived, AFolderInPlaceOfAFileIsDamageForWhoeverWritesItAnew) {
+  auto writer = store_.write_derived();
+  const auto entry = writer->put(named("a", "1"), ground(1));
+  ASSERT_TRUE(entry);
+  fs::remove(store_.folder() / entry->file.path);
+  fs::create_directory(store_.folder() / entry->file.path);
+  const auto again = writer->put(named("a", "1"), ground(1));
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, ErrorCode::damaged) << again.error().line();
+  EXPECT_THAT(again.error().line(), ::testing::HasSubstr(entry->file.path + ": a folder stands in place"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(store_.folder() / "tmp"), fs::directory_iterator()), 0);
+}
+
 // More than one chunk, and the last one not full.
 std::vector<float> many_values() {
   std::vector<float> values(300001);

@@ -50,6 +50,24 @@ TEST_F(Verify, AFileThatClaimsATerabyteIsNamedWithoutReadingIt) {
   EXPECT_THAT(damage[0].reason, HasSubstr("1099511627776 bytes"));
 }
 
+// What is behind a link reads as if it were there, and every command that writes refuses it.
+TEST_F(Verify, ALinkInPlaceOfAFolderIsNamed) {
+  for (const char* place : {"snapshots", "scans", "registry", "tmp", "trash", "scans/2019-02-11",
+                            "scans/2019-02-11/rays", "scans/2019-02-11/ground", "registry/rows"}) {
+    const fs::path link = store_.folder() / place, aside = folder_.path() / "aside";
+    const bool was_there = fs::exists(link);
+    was_there ? fs::rename(link, aside) : static_cast<void>(fs::create_directory(aside));
+    fs::create_directory_symlink(aside, link);
+    const auto damage = damage_of(store_);
+    ASSERT_EQ(damage.size(), 1U) << place;
+    EXPECT_EQ(damage[0].path, place);
+    EXPECT_THAT(damage[0].reason, HasSubstr("link"));
+    fs::remove(link);
+    was_there ? fs::rename(aside, link) : static_cast<void>(fs::remove(aside));
+  }
+  EXPECT_TRUE(damage_of(store_).empty());
+}
+
 // As many descriptors as are open always: nothing can be opened, and nothing is known of any file.
 TEST_F(Verify, NoFileDescriptorLeftIsNoDamage) {
   rlimit before{};
