@@ -16,8 +16,8 @@ namespace {
 // What is missing in voxels of side v, of the fall from there to 2v. Density that changes evenly across a voxel would
 // make it a third, unevenness finer than voxels one. Chosen on eight simulated sites (docs/density.md).
 constexpr double kMissingOfFall = 0.62;
-constexpr double kReachM = 1.5;  // along the row
-constexpr double kLeastFall = -0.2, kMostFall = 0.5;
+constexpr double kReachM = 1.5;    // along the row
+constexpr double kMostFall = 0.5;  // and rise; few rays scatter, and a bound to one side would be a bias
 
 Shape3 doubled_shape(const Shape3& shape) {
   return {(shape.ni + 1) / 2, (shape.nj + 2) / 2, (shape.nk + 1) / 2};  // across with room for either way
@@ -92,7 +92,7 @@ std::vector<TwoSizes> sums_of(const RowDensity& fine, const DoubledRow& doubled)
 
 double correction_of(const TwoSizes& sums) {
   if (!(sums.fine > 0)) return 1;
-  return 1 + kMissingOfFall * std::clamp((sums.fine - sums.doubled) / sums.fine, kLeastFall, kMostFall);
+  return 1 + kMissingOfFall * std::clamp((sums.fine - sums.doubled) / sums.fine, -kMostFall, kMostFall);
 }
 
 /// Sums around each two cross sections.

@@ -15,7 +15,7 @@ TEST(Beam, EchoesThatAreCountedReadAsMuchMoreAsLeavesLookLarger) {
   BeamExperimentOptions options;
   options.diameters_m = {0.01}, options.leaf_sizes_m2 = {0.01}, options.detection_shares = {0.25};
   options.densities_m2_m3 = {0.6}, options.exit_share = 1;
-  options.thickness_m = 0.2, options.fans = 2000, options.trials = 6;
+  options.thickness_m = 0.2, options.fans = 2000, options.trials = 12;
   Progress progress;
   const auto result = run_beam(options, progress);
   ASSERT_TRUE(result);

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <vector>
 
-#include "libdensity/estimate/row_density.h"
+#include "libdensity/estimate/row_fill.h"
+#include "libdensity/estimate/slab_density.h"
 #include "tests/libdensity/voxel_worlds.h"
 
 /// Voxels counted by hand, from the density that each has: what becomes of them in slabs.
@@ -28,14 +28,9 @@ struct Scene {
   std::size_t at(int along, int up) const { return static_cast<std::size_t>(along * row_segment.n_up + up); }
 
   RowDensity observe(std::mt19937_64& rng) const {
-    RowSegmentVoxels voxels;
-    voxels.row_segment = row_segment;
-    voxels.column.resize(static_cast<std::size_t>(row_segment.n_along));
-    std::iota(voxels.column.begin(), voxels.column.end(), 0);
-    voxels.entries.assign(voxels.column.size(), 0);
-    voxels.voxels.assign(rays.size(), {});
+    std::vector<VoxelCounters> counters(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      VoxelCounters& v = voxels.voxels[i];
+      VoxelCounters& v = counters[i];
       std::exponential_distribution<double> free_path(std::max(rate[i], 1e-300));
       for (int k = 0; k < rays[i]; ++k) {
         const double x = free_path(rng), u = std::min(x, 1.0);
@@ -44,14 +39,15 @@ struct Scene {
         if (x < 1) ++v.hits, v.hit_path += path;
       }
     }
-    EstimatorOptions options;
-    options.leaf_size_m2 = 0;
-    auto builder = RowDensityBuilder::create(1, std::vector{row_segment}, {}, {}, options);
-    EXPECT_TRUE(builder.has_value());
-    TileVoxels tile;
-    tile.row_segments.push_back(std::move(voxels));
-    EXPECT_TRUE(builder->add(tile).has_value());
-    return std::move(*builder).finish();
+    RowDensity row;
+    row.voxel_m = row_segment.voxel_m;
+    row.n_along = row_segment.n_along, row.n_across = 1, row.n_up = row_segment.n_up;
+    row.density.assign(rays.size(), 0), row.variance.assign(rays.size(), 0);
+    row.state.assign(rays.size(), VoxelState::unobserved);
+    const std::vector<VoxelSums> sums = thin_ray_sums(counters);
+    estimate_slabs(row, sums);
+    pool_and_fill(row, sums);
+    return row;
   }
 };
 
