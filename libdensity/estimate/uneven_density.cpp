@@ -90,17 +90,25 @@ std::vector<TwoSizes> sums_of(const RowDensity& fine, const DoubledRow& doubled)
   return out;
 }
 
-double correction_of(const TwoSizes& sums) {
-  if (!(sums.fine > 0)) return 1;
-  return 1 + kMissingOfFall * std::clamp((sums.fine - sums.doubled) / sums.fine, -kMostFall, kMostFall);
+/// T(v) up to `reach` pairs of cross sections off each.
+std::vector<double> areas_around(std::span<const TwoSizes> sums, int reach) {
+  const int count = static_cast<int>(sums.size());
+  std::vector<double> out(sums.size(), 0);
+  for (int at = 0; at < count; ++at)
+    for (int i = std::max(0, at - reach); i <= std::min(count - 1, at + reach); ++i)
+      out[static_cast<std::size_t>(at)] += sums[static_cast<std::size_t>(i)].fine;
+  return out;
 }
 
-/// Sums around each two cross sections.
-TwoSizes sum_around(std::span<const TwoSizes> sums, int at, int reach) {
-  TwoSizes near;
-  for (int i = std::max(0, at - reach); i <= std::min(static_cast<int>(sums.size()) - 1, at + reach); ++i)
-    near.fine += sums[static_cast<std::size_t>(i)].fine, near.doubled += sums[static_cast<std::size_t>(i)].doubled;
-  return near;
+/// The fall [T(v) − T(2v)]/T(v) of each pair of cross sections: that of the whole row, shared out as the density
+/// around.
+std::vector<double> falls_of(std::span<const TwoSizes> sums, int reach) {
+  std::vector<double> falls = areas_around(sums, reach);
+  double fall = 0, squares = 0;
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    fall += sums[i].fine - sums[i].doubled, squares += sums[i].fine * falls[i];
+  for (double& local : falls) local = squares > 0 ? std::clamp(fall / squares * local, -kMostFall, kMostFall) : 0;
+  return falls;
 }
 
 }  // namespace
@@ -126,10 +134,10 @@ void correct_uneven_density(RowDensity& row, std::span<const VoxelSums> sums) {
       row.two_sizes[i].doubled += one_way[i].doubled / (1 + shadow_of_doubled);
     }
   }
-  const int reach = floor_int(kReachM / (2 * row.voxel_m));
+  const std::vector<double> falls = falls_of(row.two_sizes, floor_int(kReachM / (2 * row.voxel_m)));
   const std::size_t section = static_cast<std::size_t>(row.n_across) * static_cast<std::size_t>(row.n_up);
   for (int a = 0; a < row.n_along; ++a) {
-    row.uneven.push_back(correction_of(sum_around(row.two_sizes, a / 2, reach)));
+    row.uneven.push_back(1 + kMissingOfFall * falls[static_cast<std::size_t>(a / 2)]);
     const double scale = row.uneven.back() / (1 + shadow);
     for (std::size_t i = row.index(a, 0, 0), end = i + section; i < end; ++i) {
       row.density[i] = static_cast<float>(scale * static_cast<double>(row.density[i]));
