@@ -14,9 +14,8 @@ namespace rayfield::density {
 /// more too little, the larger the voxels are, and how much shows in voxels twice as large. With T(v) the area in
 /// voxels of side v and T(2v) that in twice as large ones, both without slab_shadow(), a cross section is multiplied by
 ///   [1 + 0.62·(T(v) − T(2v))/T(v)] / (1 + slab_shadow),
-/// the fraction that of the whole row, shared out in proportion to T(v) within 1.5 m along it, T(2v) the mean of the two
-/// ways to put two voxels together across the row.
-/// `sums`: of the row's voxels.
+/// the fraction that of the whole row, shared out in proportion to T(v) within 1.5 m along it, T(2v) the mean of the
+/// two ways to put two voxels together across the row. `sums`: of the row's voxels.
 void correct_uneven_density(RowDensity& row, std::span<const VoxelSums> sums);
 
 /// The first factor, of each cross section, for leaves alone. What is missing goes with the square of the density, so
