@@ -68,7 +68,7 @@ DoubledRow doubled_row(const RowDensity& fine, std::span<const VoxelSums> sums, 
 
 bool speaks(VoxelState state) { return state == VoxelState::observed || state == VoxelState::filled; }
 
-/// Of each pair of cross sections; only doubled voxels that speak for themselves, as all voxels in them do.
+/// Of each pair of cross sections; only doubled voxels of which, and of all voxels in them, rays tell enough.
 std::vector<TwoSizes> sums_of(const RowDensity& fine, const DoubledRow& doubled) {
   const RowDensity& large = doubled.row;
   std::vector<char> counts(large.shape().size());
