@@ -30,7 +30,7 @@ Error wrong_usage(std::string where, std::string why, std::string next) {
 // "Could not convert: --tile-size = wide", of an option that takes a number.
 std::string said_of(const CLI::ParseError& problem) {
   constexpr std::string_view kStart = "Could not convert: ", kMiddle = " = ";
-  const std::string text = problem.what();
+  std::string text = problem.what();
   const std::size_t middle = text.find(kMiddle);
   if (text.rfind(kStart, 0) != 0 || middle == std::string::npos) return text;
   return fmt::format("{}: {} is not a number of the kind that it takes",
