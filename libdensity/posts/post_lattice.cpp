@@ -80,23 +80,25 @@ std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, c
 }
 
 // Whether the sure posts that only the narrower spacing explains are lower than those of the wider one: vines as tall
-// as a post has to be. Posts whose upper part foliage hides are not held against them.
+// as a post has to be. Posts whose upper part foliage hides are not held against them, nor end posts, which are taller
+// than the rest, where the wider spacing has others.
 bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
                      const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
   constexpr double kLowerM = 0.03;
   constexpr double kHiddenShare = 0.8;  // of the usual height; less than that is what foliage leaves to be seen
-  std::vector<double> own;
+  std::vector<double> inner, ends;
   double added_m = 0;
   std::size_t added = 0;
   for (std::size_t r = 0; r < stems.size(); ++r) {
     const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
     for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
       if (std::binary_search(wide.begin(), wide.end(), i)) {
-        own.push_back(stems[r][i].stem.top_m);
+        (i == 0 || i + 1 == stems[r].size() ? ends : inner).push_back(stems[r][i].stem.top_m);
       } else {
         added_m += stems[r][i].stem.top_m, ++added;
       }
   }
+  std::vector<double>& own = inner.empty() ? ends : inner;
   if (added == 0 || own.empty()) return false;
   const double usual_m = median_of(own);
   std::erase_if(own, [&](double top_m) { return top_m < kHiddenShare * usual_m; });
@@ -279,24 +281,47 @@ SplitFeet split_feet(const std::vector<std::vector<PlacedStem>>& stems,
   return out;
 }
 
+// Of nearly all pairs of a stem at a place and one elsewhere the one elsewhere is the thinner.
+bool are_thicker(const SplitFeet& feet) {
+  constexpr double kThicker = 0.9;
+  double thinner = 0;
+  for (const double radius_m : feet.at_places)
+    thinner += static_cast<double>(std::count_if(feet.elsewhere.begin(), feet.elsewhere.end(),
+                                                 [&](double other_m) { return other_m < radius_m; }));
+  return thinner >= kThicker * static_cast<double>(feet.at_places.size() * feet.elsewhere.size());
+}
+
+// Rows without trunks to be seen: hardly any stem stands elsewhere, and those at the places are as thick as posts.
+bool are_all_posts(const SplitFeet& feet, const std::vector<double>& post_radii_m) {
+  constexpr double kAsThick = 0.85;
+  return !post_radii_m.empty() && 2 * feet.elsewhere.size() <= feet.at_places.size() &&
+         median_of(feet.at_places) >= kAsThick * median_of(post_radii_m);
+}
+
+// The radii of witnesses that do not stand at the end of a row, where posts are thicker.
+std::vector<double> inner_radii(const std::vector<std::vector<PlacedStem>>& stems,
+                                const std::vector<std::vector<std::size_t>>& witnesses) {
+  std::vector<double> radii;
+  for (std::size_t r = 0; r < stems.size(); ++r)
+    for (const std::size_t i : witnesses[r])
+      if (i > 0 && i + 1 < stems[r].size()) radii.push_back(stems[r][i].stem.radius_m);
+  return radii;
+}
+
 }  // namespace
 
 int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                      const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, double min_m) {
   constexpr std::size_t kLeastPlaces = 3, kLeastElsewhere = 10;
-  constexpr double kTaken = 0.75, kThicker = 0.9;
+  constexpr double kTaken = 0.75;
   for (const int parts : {2, 3}) {
     if (!(spacing_m / parts >= min_m)) break;
     const SplitFeet feet = split_feet(stems, witnesses, spacing_m, parts);
-    if (feet.places < kLeastPlaces || feet.elsewhere.size() < kLeastElsewhere ||
+    if (feet.places < kLeastPlaces ||
         static_cast<double>(feet.at_places.size()) < kTaken * static_cast<double>(feet.places))
       continue;
-    double thinner = 0;  // pairs of a stem at a place and a thinner one elsewhere
-    for (const double radius_m : feet.at_places)
-      thinner += static_cast<double>(std::count_if(feet.elsewhere.begin(), feet.elsewhere.end(),
-                                                   [&](double other_m) { return other_m < radius_m; }));
-    const auto pairs = static_cast<double>(feet.at_places.size() * feet.elsewhere.size());
-    if (thinner >= kThicker * pairs) return parts;
+    const bool has_vines = feet.elsewhere.size() >= kLeastElsewhere;
+    if (has_vines ? are_thicker(feet) : are_all_posts(feet, inner_radii(stems, witnesses))) return parts;
   }
   return 1;
 }

@@ -28,7 +28,8 @@ UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
 
 /// Into how many panels the usual spacing has to be split, 1 to 3: where every second or third post stands at a vine,
 /// the witnesses show the others alone. Those posts' feet tell then: stems at their places, at most of which there are
-/// some, that are thicker than nine of ten stems elsewhere.
+/// some, that are thicker than nine of ten stems elsewhere, or, where no trunks are seen and hardly any stem stands
+/// elsewhere, as thick as posts inside the rows.
 int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
                      const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, double min_m);
 

@@ -120,6 +120,41 @@ TEST(PostLattice, PostsAtVinesShowByTheirFeet) {
   EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 7), 1) << "panels of 6 m are too short";
 }
 
+// In a block of two short rows most of what every second place has are end posts, and these are taller than the rest.
+TEST(PostLattice, EndPostsDoNotMakeTheOthersLookLow) {
+  Rows rows;
+  rows.add({0, 10, 15, 20});
+  rows.add({0, 20});
+  for (auto& row : rows.stems) row.front().stem.top_m = row.back().stem.top_m = 1.9;
+  EXPECT_NEAR(rows.spacing().spacing_m, 5, 1e-9);
+}
+
+/// Two rows of 20 m with a post every 5 m, and no trunks that could be seen. Foliage hides all of the posts but the end
+/// ones and, in the second row, two: `witnesses`. Those halfway between the others have `halfway_radius_m`.
+struct PostsAlone {
+  std::vector<std::vector<PlacedStem>> stems;
+  std::vector<std::vector<std::size_t>> witnesses{{0, 4}, {0, 1, 2, 4}};
+
+  explicit PostsAlone(double halfway_radius_m) {
+    for (int row = 0; row < 2; ++row) {
+      std::vector<PlacedStem> placed;
+      for (int k = 0; k < 5; ++k) {
+        placed.push_back({{}, 5.0 * k, 0});
+        placed.back().stem.radius_m = k % 4 == 0 ? 0.06 : 0.037;
+      }
+      placed[3].stem.radius_m = halfway_radius_m;
+      if (row == 0) placed[1].stem.radius_m = halfway_radius_m;
+      stems.push_back(placed);
+    }
+  }
+};
+
+TEST(PostLattice, WithoutTrunksStemsAsThickAsPostsArePosts) {
+  const PostsAlone posts(0.036), trees(0.028);
+  EXPECT_EQ(parts_of_spacing(posts.stems, posts.witnesses, 10, 2.5), 2);
+  EXPECT_EQ(parts_of_spacing(trees.stems, trees.witnesses, 10, 2.5), 1);
+}
+
 TEST(PostLattice, WithoutTwoPostsInARowThereIsNone) {
   Rows rows;
   rows.add({3});
