@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "formats/las/gps_time.h"
 #include "formats/picture/color.h"
-#include "formats/point_cloud/gps_time.h"
 #include "tests/formats/temporary_file.h"
 
 namespace rayfield::formats {

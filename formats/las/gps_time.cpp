@@ -1,4 +1,4 @@
-#include "formats/point_cloud/gps_time.h"
+#include "formats/las/gps_time.h"
 
 #include <algorithm>
 #include <array>
