@@ -54,14 +54,25 @@ void take_lidar(RigSection& section, Rig::Lidar& lidar) {
   take_beam(section, lidar.beam);
 }
 
+void take_spinner(RigSection& spinner, Rig& rig) {
+  if (!spinner.present()) return;
+  rig.spinner = Rig::Spinner();
+  spinner.text("topic", rig.spinner->topic);
+  spinner.text("joint", rig.spinner->joint);
+  spinner.direction("axis", rig.spinner->axis);
+}
+
+void take_time(RigSection& time, Rig& rig) {
+  time.number("lidar_offset_s", -10, 10, rig.lidar_offset_s);
+  time.number("gps_offset_s", -10, 10, rig.gps_offset_s);
+  time.flag("estimate_lidar_offset", rig.estimate_lidar_offset);
+  time.flag("estimate_spinner_offset", rig.estimate_spinner_offset);
+  time.flag("estimate_gps_offset", rig.estimate_gps_offset);
+}
+
 void take_sensors(RigSection& lidar, RigSection& spinner, RigSection& imu, RigSection& gps, Rig& rig) {
   take_lidar(lidar, rig.lidar);
-  if (spinner.present()) {
-    rig.spinner = Rig::Spinner();
-    spinner.text("topic", rig.spinner->topic);
-    spinner.text("joint", rig.spinner->joint);
-    spinner.direction("axis", rig.spinner->axis);
-  }
+  take_spinner(spinner, rig);
   imu.text("topic", rig.imu.topic);
   imu.number("gyro_noise_rad_s_sqrt_hz", 1e-9, 10, rig.imu.gyro_noise_rad_s_sqrt_hz);
   imu.number("accel_noise_m_s2_sqrt_hz", 1e-9, 10, rig.imu.accel_noise_m_s2_sqrt_hz);
@@ -176,11 +187,7 @@ Result<Rig> parse_rig(std::string_view text, const std::string& name) {
   Rig rig;
   take_sensors(lidar, spinner, imu, gps, rig);
   take_extrinsics(extrinsics, rig);
-  time.number("lidar_offset_s", -10, 10, rig.lidar_offset_s);
-  time.number("gps_offset_s", -10, 10, rig.gps_offset_s);
-  time.flag("estimate_lidar_offset", rig.estimate_lidar_offset);
-  time.flag("estimate_spinner_offset", rig.estimate_spinner_offset);
-  time.flag("estimate_gps_offset", rig.estimate_gps_offset);
+  take_time(time, rig);
   for (RigSection* each : {&lidar, &spinner, &imu, &gps, &extrinsics, &time}) RAYFIELD_CHECK(each->finish());
   if (const Result<void> valid = validate_rig(rig); !valid) {
     return fail(ErrorCode::usage, kWhat, name + ", " + valid.error().where, valid.error().why, "see docs/rig.md");
@@ -202,6 +209,29 @@ Result<std::optional<LidarBeam>> read_rig_beam(const std::string& path) {
   take_lidar(lidar, rig.lidar);
   RAYFIELD_CHECK(lidar.finish());
   return rig.lidar.beam;
+}
+
+/// A spinner carries the lidar round a circle about its axis: what stays is the circle's centre.
+Eigen::Vector3d mean_lidar_in_imu_m(const Rig& rig) {
+  if (!rig.spinner) return (rig.imu_from_spinner * rig.spinner_from_lidar).translation;
+  const Eigen::Vector3d& axis = rig.spinner->axis;
+  return rig.imu_from_spinner * Eigen::Vector3d(axis * axis.dot(rig.spinner_from_lidar.translation));
+}
+
+Result<RigMounting> read_rig_mounting(const std::string& path) {
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path, kWhat));
+  RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, path));
+  RigSection file(&parsed, "", path);
+  RigSection spinner = file.section("spinner"), extrinsics = file.section("extrinsics"), time = file.section("time");
+  Rig rig;
+  take_spinner(spinner, rig);
+  if (extrinsics.present()) take_extrinsics(extrinsics, rig);
+  take_time(time, rig);
+  for (RigSection* each : {&spinner, &extrinsics, &time}) RAYFIELD_CHECK(each->finish());
+  RigMounting mounting;
+  if (extrinsics.present()) mounting.lidar_in_imu_m = mean_lidar_in_imu_m(rig);
+  mounting.lidar_offset_s = rig.lidar_offset_s;
+  return mounting;
 }
 
 /// Numbers are written with as many digits as bring the same double back.
