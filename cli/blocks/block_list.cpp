@@ -58,16 +58,18 @@ Result<BlockUpdate> parse_block(const toml::table& table, const fs::path& folder
       RAYFIELD_ASSIGN(block.settings, texts_of(node, key, place));
     } else if (key == "date") {
       RAYFIELD_ASSIGN(block.date, date_of(node, place));
-    } else if (key == "store" || key == "rig" || key == "name" || key == "output" || key == "crs") {
+    } else if (key == "store" || key == "rig" || key == "trajectory" || key == "name" || key == "output" ||
+               key == "crs") {
       RAYFIELD_ASSIGN(const std::string text, text_of(node, key, place));
       if (key == "store") block.store = folder / text;
       if (key == "rig") block.inputs.rig_file = (folder / text).string();
+      if (key == "trajectory") block.inputs.trajectory_file = (folder / text).string();
       if (key == "output") block.output = folder / text;
       if (key == "name") block.name = text;
       if (key == "crs") block.crs = text;
     } else {
       return place.bad(node, fmt::format("unknown key '{}'", key),
-                       "a block has store, inputs, rig, date, name, output, crs, set");
+                       "a block has store, inputs, rig, trajectory, date, name, output, crs, set");
     }
   }
   for (const auto& [key, missing] :

@@ -14,6 +14,7 @@ namespace rayfield::cli {
 ///   store = "north"                 # folders and files from where the list lies
 ///   inputs = ["north/scan.bag"]
 ///   rig = "rig.toml"                # for logs
+///   trajectory = "path.tum"         # for LAS clouds
 ///   date = 2019-02-11               # a date of TOML, or a text
 ///   name = "veraison"               # optional, as --name
 ///   output = "maps/north"           # optional, as -o

@@ -73,7 +73,8 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
       {"bytes_per_ray",
        report.ray_count > 0 ? static_cast<double>(report.bytes_written) / static_cast<double>(report.ray_count) : 0.0},
       {"dropped", report.dropped},
-      {"warnings", report.warnings}};
+      {"warnings", report.warnings},
+      {"notes", added.notes}};
   if (report.already_there) {
     outcome.text = fmt::format(
         "{}: already in the store, with the same content; nothing to do{}\n", report.scan_id,
@@ -87,6 +88,8 @@ Result<Outcome> run_add(const AddArguments& arguments, const Context& context) {
     outcome.data["alignment"] = alignment_json(*added.alignment);
     outcome.text += fmt::format("  {}\n", alignment_text(*added.alignment));
   }
+  if (context.options.verbose > 0)
+    for (const std::string& note : added.notes) outcome.text += fmt::format("  {}\n", note);
   for (const std::string& warning : report.warnings)
     if (std::find(added.shown_warnings.begin(), added.shown_warnings.end(), warning) == added.shown_warnings.end())
       context.progress.warn(warning);
@@ -103,12 +106,19 @@ void add_add_command(Commands& commands) {
                    [arguments](Context& context) { return run_add(*arguments, context); });
   command->add_option("STORE", arguments->store, "Folder of the store")->required();
   command
-      ->add_option("LOG|CLOUD", arguments->files,
-                   "Ray clouds (raycloudtools PLY) or logs (ROS 1 bag) of one scan, in the order of their times")
+      ->add_option(
+          "LOG|CLOUD", arguments->files,
+          "Ray clouds (raycloudtools PLY, LAS with --trajectory) or logs (ROS 1 bag) of one scan, in the order "
+          "of their times")
       ->required();
   command->add_option("--date", arguments->date, "Day of the scan, YYYY-MM-DD")->required();
-  command->add_option("--rig", arguments->inputs.rig_file,
-                      "Rig file: of a log all of it, of a ray cloud the lidar's beam (docs/rig.md)");
+  command->add_option(
+      "--rig", arguments->inputs.rig_file,
+      "Rig file: of a log all of it, of a ray cloud the lidar's beam, of LAS also where the lidar stands "
+      "in the trajectory's frame (docs/rig.md)");
+  command->add_option("--trajectory", arguments->inputs.trajectory_file,
+                      "Path of the drive of LAS clouds: TUM text, or a table with the columns time, x, y, z "
+                      "(docs/ray-cloud-las.md)");
   command->add_option("--name", arguments->name,
                       "Label of the scan, e.g. veraison; needed for a second scan of one day");
   command

@@ -9,6 +9,7 @@
 #include "cli/console/beam_text.h"
 #include "cli/console/text.h"
 #include "cli/drives/drive_log.h"
+#include "cli/scans/open_cloud.h"
 #include "rayfield/core/date.h"
 #include "rayfield/core/map_frame.h"
 #include "rayfield/formats/formats.h"
@@ -62,6 +63,58 @@ Result<Outcome> inspect_cloud(const std::string& path, const Context& context) {
                     utc_text(last), origins.min().x(), origins.min().y(), origins.max().x(), origins.max().y());
   }
   for (const std::string& warning : reader->warnings()) outcome.text += fmt::format("  problem: {}\n", warning);
+  return outcome;
+}
+
+// The times of a LAS file as far as it says when they are: seconds of a GPS week have no date.
+void describe_times(const formats::LasInfo& info, Outcome& outcome) {
+  outcome.data["clock"] = info.adjusted_gps_time ? "adjusted standard GPS time" : "seconds of the GPS week";
+  outcome.data["first_gps_time_s"] = info.first_s, outcome.data["last_gps_time_s"] = info.last_s;
+  outcome.text += fmt::format("  times {:.13g} to {:.13g}, {}\n", info.first_s, info.last_s,
+                              outcome.data["clock"].get<std::string>());
+  if (!info.start_unix_s) return;
+  outcome.data["start_utc"] = utc_text(*info.start_unix_s), outcome.data["end_utc"] = utc_text(*info.end_unix_s);
+  outcome.text += fmt::format("  from {} to {}\n", utc_text(*info.start_unix_s), utc_text(*info.end_unix_s));
+}
+
+// What a LAS cloud holds: reads it once, without a trajectory.
+Result<Outcome> inspect_las_cloud(const std::string& path, const Context& context) {
+  context.progress.stage("reading", 0, "points");
+  RAYFIELD_ASSIGN(const formats::LasInfo info,
+                  formats::inspect_las(
+                      path, [&context] { return context.progress.cancelled(); },
+                      [&context](std::uint64_t points) { context.progress.advance(points); }));
+  Outcome outcome;
+  outcome.data = {{"path", path},
+                  {"kind", "LAS cloud"},
+                  {"version", fmt::format("1.{}", info.minor_version)},
+                  {"point_format", info.point_format},
+                  {"points", info.points},
+                  {"first_returns", info.first_returns},
+                  {"left_out",
+                   {{"later_returns", info.later_returns},
+                    {"withheld", info.withheld},
+                    {"synthetic", info.synthetic},
+                    {"noise", info.noise},
+                    {"without_time", info.not_finite}}},
+                  {"problems", info.problems}};
+  if (info.crs) outcome.data["crs"] = *info.crs;
+  const std::uint64_t flagged = info.withheld + info.synthetic + info.noise + info.not_finite;
+  outcome.text = fmt::format(
+      "{}: LAS 1.{} cloud, {} points of format {}: {} first returns, {} later ones, {} withheld, synthetic, noise or "
+      "without time\n",
+      path, info.minor_version, grouped(info.points), info.point_format, grouped(info.first_returns),
+      grouped(info.later_returns), grouped(flagged));
+  outcome.text += fmt::format("  CRS: {}\n", info.crs ? info.crs_name : "none named");
+  if (info.first_returns > 0) {
+    describe_times(info, outcome);
+    outcome.data["hit_extent"] = {{"min", {info.low.x(), info.low.y(), info.low.z()}},
+                                  {"max", {info.high.x(), info.high.y(), info.high.z()}}};
+    outcome.text += fmt::format("  points between {:.1f} {:.1f} {:.1f} and {:.1f} {:.1f} {:.1f}\n", info.low.x(),
+                                info.low.y(), info.low.z(), info.high.x(), info.high.y(), info.high.z());
+  }
+  for (const std::string& problem : info.problems) outcome.text += fmt::format("  problem: {}\n", problem);
+  outcome.text += "  `rayfield add` needs the path of its drive: --trajectory\n";
   return outcome;
 }
 
@@ -151,7 +204,8 @@ Result<Outcome> inspect_drive_log(const std::string& path, const Context& contex
 
 Result<Outcome> run_info(const std::string& path, const Context& context) {
   if (std::filesystem::is_directory(path)) return store_status(path);
-  return is_log(path) ? inspect_drive_log(path, context) : inspect_cloud(path, context);
+  if (is_log(path)) return inspect_drive_log(path, context);
+  return is_las(path) ? inspect_las_cloud(path, context) : inspect_cloud(path, context);
 }
 
 }  // namespace

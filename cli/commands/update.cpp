@@ -40,6 +40,7 @@ ordered_json to_json(const BlockUpdate& block, const UpdateReport& report) {
                        {"already_there", report.added.report.already_there},
                        {"rays", report.added.report.ray_count},
                        {"warnings", report.added.report.warnings},
+                       {"notes", report.added.notes},
                        {"panels", report.processed.panels},
                        {"files_made", files_made(report.processed)},
                        {"snapshot", report.snapshot}};
@@ -118,6 +119,8 @@ Result<Outcome> run_single(const UpdateArguments& arguments, const Context& cont
   RAYFIELD_ASSIGN(const UpdateReport report, update_block(block, options_of(context), context.progress));
   show_warnings(report, context.progress);
   Outcome outcome{to_json(block, report), to_text(report) + "\n"};
+  if (context.options.verbose > 0)
+    for (const std::string& note : report.added.notes) outcome.text += fmt::format("  {}\n", note);
   for (const density::FailedScan& failed : report.processed.failed) outcome.failures.push_back(failed.error.line());
   if (const auto failed = failure_of(report)) outcome.data["exit_code"] = static_cast<int>(*failed);
   return outcome;
@@ -194,7 +197,8 @@ Result<Outcome> run_update(const UpdateArguments& arguments, const Context& cont
   if (arguments.list.empty()) return run_single(arguments, context);
   const BlockUpdate& block = arguments.block;
   if (!arguments.store.empty() || !arguments.files.empty() || !arguments.output.empty() || !block.date.empty() ||
-      !block.name.empty() || !block.crs.empty() || !block.inputs.rig_file.empty() || !block.settings.empty())
+      !block.name.empty() || !block.crs.empty() || !block.inputs.rig_file.empty() ||
+      !block.inputs.trajectory_file.empty() || !block.settings.empty())
     return fail(ErrorCode::usage, "wrong usage", "rayfield update", "--batch takes everything from its list",
                 "write it there, see docs/commands.md");
   return run_batch(arguments.list, context);
@@ -211,8 +215,13 @@ void add_update_command(Commands& commands) {
   command->add_option("STORE", arguments->store, "Folder of the store");
   command->add_option("LOG|CLOUD", arguments->files, "Logs or ray clouds of one scan, in the order of their times");
   command->add_option("--date", arguments->block.date, "Day of the scan, YYYY-MM-DD");
-  command->add_option("--rig", arguments->block.inputs.rig_file,
-                      "Rig file: of a log all of it, of a ray cloud the lidar's beam (docs/rig.md)");
+  command->add_option(
+      "--rig", arguments->block.inputs.rig_file,
+      "Rig file: of a log all of it, of a ray cloud the lidar's beam, of LAS also where the lidar stands "
+      "in the trajectory's frame (docs/rig.md)");
+  command->add_option("--trajectory", arguments->block.inputs.trajectory_file,
+                      "Path of the drive of LAS clouds: TUM text, or a table with the columns time, x, y, z "
+                      "(docs/ray-cloud-las.md)");
   command->add_option("--name", arguments->block.name, "Label of the scan; needed for a second scan of one day");
   command->add_flag("--align,!--no-align", arguments->block.inputs.align,
                     "Lay the scan on the block's reference by posts, trunks and ground (docs/seasons.md; the default)");

@@ -122,6 +122,9 @@ Result<RegisteredDrive> follow_trajectory(const std::string& log, const std::str
                                           Progress& progress) {
   RAYFIELD_ASSIGN(OpenedLog opened, open_log(log, rig_file, crs, progress));
   RAYFIELD_ASSIGN(formats::TrajectoryFile given, formats::read_trajectory(trajectory_file));
+  if (!given.has_orientation)
+    return fail(ErrorCode::bad_input, "cannot use trajectory", trajectory_file, "it has no orientations",
+                "give one with qx qy qz qw");
   if (!crs.empty() && !given.crs.empty() && !same_crs(given.crs, crs))
     return fail(ErrorCode::usage, "cannot use trajectory", trajectory_file,
                 fmt::format("it is in {}, not in {}", given.crs, crs), "transform it");

@@ -7,6 +7,7 @@
 #include "cli/drives/drive_files.h"
 #include "cli/drives/drive_log.h"
 #include "cli/scans/align_scan.h"
+#include "cli/scans/open_cloud.h"
 #include "cli/scans/scan_date.h"
 #include "cli/scans/scan_place.h"
 #include "rayfield/core/file.h"
@@ -84,39 +85,22 @@ void add_knowledge(const std::optional<LidarBeam>& told, std::optional<LidarBeam
   if (told && told->same_disc(*beam) && !beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;
 }
 
-// One input as a stream of rays: a log goes through SLAM, a cloud must be in the store's CRS.
-Result<std::unique_ptr<RaySource>> open_input(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
-                                              const fs::path& scratch, int threads, Progress& progress,
-                                              std::vector<std::string>& warnings,
-                                              std::vector<tile::NewAttachment>& attachments,
-                                              std::optional<LidarBeam>& beam) {
-  if (is_log(path)) {
-    RAYFIELD_CHECK(require_rig(path, inputs));
-    slam::SlamOptions options;
-    options.threads = threads;
-    options.scratch = scratch.string();
-    RAYFIELD_ASSIGN(RegisteredDrive drive,
-                    register_drive(path.string(), inputs.rig_file, crs, true, options, progress));
-    for (const std::string& warning : drive.report.warnings) progress.warn(warning);
-    for (const std::string& warning : all_warnings(drive))
-      warnings.push_back(path.filename().string() + ": " + warning);
-    RAYFIELD_CHECK(keep_drive_files(drive, attachments));
-    add_knowledge(drive.beam, beam);
-    return std::move(drive.rays);
-  }
-  RAYFIELD_ASSIGN(auto reader,
-                  formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated,
-                                                           .cancelled = [&progress] { return progress.cancelled(); }}));
-  if (reader->crs() && *reader->crs() == kLocalFrame)
-    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
-                fmt::format("it is in a local frame, the store in {}", crs),
-                "register its log with GPS and --crs " + crs);
-  if (reader->crs() && !same_crs(*reader->crs(), crs))
-    return fail(ErrorCode::bad_input, "cannot add ray cloud", path.string(),
-                fmt::format("it is in {}, the store in {}", *reader->crs(), crs),
-                "transform it, or make a store in its CRS");
-  add_knowledge(reader->beam(), beam);
-  return std::unique_ptr<RaySource>(std::move(reader));
+// A log as a stream of rays: it goes through SLAM.
+Result<std::unique_ptr<RaySource>> open_log_rays(const fs::path& path, const ScanInputs& inputs, const std::string& crs,
+                                                 const fs::path& scratch, int threads, Progress& progress,
+                                                 std::vector<std::string>& warnings,
+                                                 std::vector<tile::NewAttachment>& attachments,
+                                                 std::optional<LidarBeam>& beam) {
+  RAYFIELD_CHECK(require_rig(path, inputs));
+  slam::SlamOptions options;
+  options.threads = threads;
+  options.scratch = scratch.string();
+  RAYFIELD_ASSIGN(RegisteredDrive drive, register_drive(path.string(), inputs.rig_file, crs, true, options, progress));
+  for (const std::string& warning : drive.report.warnings) progress.warn(warning);
+  for (const std::string& warning : all_warnings(drive)) warnings.push_back(path.filename().string() + ": " + warning);
+  RAYFIELD_CHECK(keep_drive_files(drive, attachments));
+  add_knowledge(drive.beam, beam);
+  return std::move(drive.rays);
 }
 
 // The same rays twice count twice.
@@ -168,8 +152,10 @@ Result<void> require_rig(const fs::path& log, const ScanInputs& inputs) {
 }
 
 Result<std::vector<tile::InputEntry>> describe_inputs(const ScanInputs& inputs, int threads, const Progress& progress) {
+  RAYFIELD_CHECK(check_trajectory_given(inputs));
   std::vector<fs::path> files = inputs.files;
   if (!inputs.rig_file.empty()) files.emplace_back(inputs.rig_file);
+  if (!inputs.trajectory_file.empty()) files.emplace_back(inputs.trajectory_file);
   std::vector<tile::InputEntry> entries(files.size());
   RAYFIELD_CHECK(parallel_for(files.size(), threads, [&](std::size_t i, int) -> Result<void> {
     RAYFIELD_ASSIGN(entries[i], describe_input(files[i], progress));
@@ -184,7 +170,7 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   RAYFIELD_ASSIGN(auto there, store.find_added(options));
   if (there) {
     if (options.dormant) RAYFIELD_CHECK(store.set_dormant(there->scan_id, options.dormant, options.command));
-    return AddedScan{std::move(*there), {}, {}};
+    return AddedScan{std::move(*there), {}, {}, {}};
   }
   // A rig file knows the lidar better than a cloud's header.
   if (!inputs.rig_file.empty()) {
@@ -198,10 +184,23 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
     if (warning) progress.warn(*warning), warnings.push_back(*warning);
   };
   say(said_of_repeated(options.inputs, inputs.files.size(), latest, replaced));
+  const std::string& crs = store.config().crs;
+  RAYFIELD_ASSIGN(const CloudTrajectory trajectory, read_cloud_trajectory(inputs, crs, options.memory_bytes, progress));
+  options.memory_bytes -= trajectory.bytes();
+  for (const std::string& warning : trajectory.warnings) say(warning);
+  std::vector<std::string> notes;
   for (const fs::path& path : inputs.files) {
-    RAYFIELD_ASSIGN(auto part, open_input(path, inputs, store.config().crs, store.folder(), options.threads, progress,
-                                          warnings, options.attachments, options.beam));
-    RAYFIELD_ASSIGN(const auto warning, check_scan_place(*part, store.config().crs, latest, replaced));
+    std::unique_ptr<RaySource> part;
+    if (is_log(path)) {
+      RAYFIELD_ASSIGN(part, open_log_rays(path, inputs, crs, store.folder(), options.threads, progress, warnings,
+                                          options.attachments, options.beam));
+    } else {
+      RAYFIELD_ASSIGN(OpenedCloud cloud, open_cloud(path, inputs, crs, trajectory, progress));
+      add_knowledge(cloud.beam, options.beam);
+      notes.insert(notes.end(), cloud.notes.begin(), cloud.notes.end());
+      part = std::move(cloud.rays);
+    }
+    RAYFIELD_ASSIGN(const auto warning, check_scan_place(*part, crs, latest, replaced));
     say(warning);
     parts.push_back(std::move(part));
   }
@@ -212,10 +211,10 @@ Result<AddedScan> add_scan(tile::Store& store, const ScanInputs& inputs, tile::A
   options.alignment = placement.record;
   options.attachments.push_back({"alignment.json", alignment_file(placement)});
   PlacedSource placed(source, latest, replaced);
-  DatedSource dated(placed, options.date, store.config().crs);
+  DatedSource dated(placed, options.date, crs);
   const auto aligned = placement.alignment ? align::open_aligned(dated, *placement.alignment) : nullptr;
   Result<tile::AddReport> report = store.add(aligned ? *aligned : static_cast<RaySource&>(dated), options, progress);
-  if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings)};
+  if (report) return AddedScan{std::move(*report), placement.record, std::move(warnings), std::move(notes)};
   if (report.error().code == ErrorCode::bad_input)
     for (const std::string& warning : rays.warnings()) report.error().why += " (" + warning + ")";
   return tl::make_unexpected(std::move(report).error());

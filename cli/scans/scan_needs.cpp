@@ -1,7 +1,7 @@
 #include "cli/scans/scan_needs.h"
 
 #include "cli/drives/drive_needs.h"
-#include "rayfield/formats/formats.h"
+#include "cli/scans/open_cloud.h"
 
 namespace rayfield::cli {
 namespace {
@@ -27,6 +27,8 @@ Result<ScanNeeds> scan_needs(const ScanInputs& inputs, const std::string& crs, c
                              std::uint64_t memory_bytes, Progress& progress) {
   ScanNeeds scan;
   Needs registration;
+  RAYFIELD_CHECK(check_trajectory_given(inputs));
+  RAYFIELD_ASSIGN(const CloudTrajectory trajectory, read_cloud_trajectory(inputs, crs, memory_bytes, progress));
   for (const std::filesystem::path& path : inputs.files) {
     if (is_log(path)) {
       RAYFIELD_CHECK(require_rig(path, inputs));
@@ -36,9 +38,8 @@ Result<ScanNeeds> scan_needs(const ScanInputs& inputs, const std::string& crs, c
       registration = registration + registration_needs(log);
       continue;
     }
-    RAYFIELD_ASSIGN(const auto reader,
-                    formats::PlyReader::open(path.string(), {.allow_truncated = inputs.allow_truncated}));
-    scan.rays += reader->ray_count().value_or(0);
+    RAYFIELD_ASSIGN(const OpenedCloud cloud, open_cloud(path, inputs, crs, trajectory, progress));
+    scan.rays += cloud.rays->ray_count().value_or(0);
   }
   // Chunks wait in a temporary file until their tile is complete.
   const auto tiles = static_cast<std::uint64_t>(bytes_per_ray(known) * static_cast<double>(scan.rays));

@@ -14,8 +14,8 @@ struct ScanNeeds {
   Needs needs;
 };
 
-/// Reads logs once, and of clouds only their headers. `known`: scans of the same block, which show how much a ray
-/// takes; may be empty. Errors: those of reading the files; usage where a log has no rig file.
+/// Reads logs once, trajectories, and of clouds only their headers. `known`: scans of the same block, which show how
+/// much a ray takes; may be empty. Errors: those of reading the files; usage where a log has no rig file.
 Result<ScanNeeds> scan_needs(const ScanInputs& inputs, const std::string& crs, const tile::Snapshot& known,
                              std::uint64_t memory_bytes, Progress& progress);
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "formats/gis/gdal_session.h"
-#include "formats/point_cloud/gps_time.h"
+#include "formats/las/gps_time.h"
 #include "rayfield/core/date.h"
 
 /// LAS 1.4 (ASPRS, revision R15, 2019). A file is:

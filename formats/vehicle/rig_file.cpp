@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -13,160 +11,16 @@
 #include "formats/io/file_io.h"
 #include "formats/io/toml_text.h"
 #include "formats/vehicle/lidar_models.h"
+#include "formats/vehicle/rig_section.h"
 #include "rayfield/core/text_file.h"
 
 namespace rayfield::formats {
 namespace {
 
-constexpr const char* kWhat = "cannot use rig file";
-constexpr double kUnitTolerance = 1e-3;
-
-/// One table of the file. Keys are taken by name; finish() refuses those that nobody took. The first error stays.
-class Section {
- public:
-  Section(const toml::table* table, std::string name, std::string file)
-      : table_(table), name_(std::move(name)), file_(std::move(file)) {}
-
-  bool present() const { return table_ != nullptr; }
-  /// A table inside this one; not present() where the file does not have it.
-  Section section(std::string_view key) {
-    const toml::node* node = take(key);
-    if (node != nullptr && !node->is_table()) refuse(*node, key, "must be a table");
-    return Section(node == nullptr ? nullptr : node->as_table(), std::string(key), file_);
-  }
-  bool has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
-
-  void text(std::string_view key, std::string& out) {
-    if (const toml::node* node = take(key)) {
-      const std::optional<std::string> value = node->value_exact<std::string>();
-      if (!value) return refuse(*node, key, "must be a string");
-      if (value->empty()) return refuse(*node, key, "must not be empty");
-      out = *value;
-    }
-  }
-  void number(std::string_view key, double low, double high, double& out) {
-    if (const toml::node* node = take(key)) {
-      const std::optional<double> value = node->is_number() ? node->value<double>() : std::nullopt;
-      if (!value) return refuse(*node, key, "must be a number");
-      if (!(*value >= low && *value <= high)) return refuse(*node, key, fmt::format("must be {} to {}", low, high));
-      out = *value;
-    }
-  }
-  void flag(std::string_view key, bool& out) {
-    if (const toml::node* node = take(key)) {
-      const std::optional<bool> value = node->value_exact<bool>();
-      if (!value) return refuse(*node, key, "must be true or false");
-      out = *value;
-    }
-  }
-  void no_return(std::string_view key, NoReturn& out) {
-    if (const toml::node* node = take(key)) {
-      const std::string value = node->value_exact<std::string>().value_or("");
-      if (value == "inf")
-        out = NoReturn::infinity;
-      else if (value == "zero")
-        out = NoReturn::zero;
-      else if (value == "max")
-        out = NoReturn::max_range;
-      else
-        refuse(*node, key, "must be \"inf\", \"zero\" or \"max\"");
-    }
-  }
-  void direction(std::string_view key, Eigen::Vector3d& out) {
-    const toml::node* node = take(key);
-    std::array<double, 3> values{};
-    if (node == nullptr || !numbers(*node, key, values)) return;
-    const Eigen::Vector3d vector(values[0], values[1], values[2]);
-    if (!(std::abs(vector.norm() - 1.0) <= kUnitTolerance)) return refuse(*node, key, "must be a unit vector");
-    out = vector.normalized();
-  }
-  /// { xyz = [x, y, z], q = [x, y, z, w] }; without rotation where `q_allowed` is false.
-  bool pose(std::string_view key, bool q_allowed, Rigid3& out) {
-    const toml::node* node = take(key);
-    if (node == nullptr) return false;
-    Section inner(node->as_table(), name_ + "." + std::string(key), file_);
-    if (!inner.present()) {
-      refuse(*node, key, "must be a table { xyz = [x, y, z], q = [x, y, z, w] }");
-      return true;
-    }
-    if (!inner.has("xyz")) refuse(*node, key, "has no xyz");
-    inner.translation(out.translation);
-    if (q_allowed) inner.rotation(out.rotation);
-    inner.finish();
-    if (!error_ && inner.error_) error_ = std::move(inner.error_);
-    return true;
-  }
-  void missing(std::string_view key, std::string_view next) {
-    if (error_) return;
-    error_ = Error{ErrorCode::usage, kWhat, file_, fmt::format("{}.{} is missing", name_, key), std::string(next)};
-  }
-  void refuse_key(std::string_view key, std::string_view why) {
-    if (const toml::node* node = take(key)) refuse(*node, key, why);
-  }
-  /// The first thing that is wrong with this table.
-  Result<void> finish() {
-    if (table_ != nullptr && !error_) {
-      for (const auto& [key, node] : *table_) {
-        if (taken_.end() == std::find(taken_.begin(), taken_.end(), key.str())) {
-          refuse(node, key.str(), "unknown key");
-          break;
-        }
-      }
-    }
-    if (error_) return tl::make_unexpected(*error_);
-    return {};
-  }
-
- private:
-  const toml::node* take(std::string_view key) {
-    taken_.emplace_back(key);
-    return table_ == nullptr ? nullptr : table_->get(key);
-  }
-  void refuse(const toml::node& node, std::string_view key, std::string_view why) {
-    if (error_) return;
-    const std::string full = name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
-    error_ = Error{ErrorCode::usage, kWhat, fmt::format("{}, line {}", file_, node.source().begin.line),
-                   fmt::format("{}: {}", full, why), "see docs/rig.md"};
-  }
-  template <std::size_t N>
-  bool numbers(const toml::node& node, std::string_view key, std::array<double, N>& out) {
-    const toml::array* array = node.as_array();
-    bool good = array != nullptr && array->size() == N;
-    for (std::size_t i = 0; good && i < N; ++i) {
-      const toml::node& element = *array->get(i);
-      out[i] = element.is_number() ? element.value<double>().value_or(NAN) : static_cast<double>(NAN);
-      good = std::isfinite(out[i]);
-    }
-    if (!good) refuse(node, key, fmt::format("must be an array of {} numbers", N));
-    return good;
-  }
-  void translation(Eigen::Vector3d& out) {
-    constexpr double kLongest_m = 100;
-    const toml::node* node = take("xyz");
-    std::array<double, 3> values{};
-    if (node == nullptr || !numbers(*node, "xyz", values)) return;
-    out = {values[0], values[1], values[2]};
-    if (out.cwiseAbs().maxCoeff() > kLongest_m) refuse(*node, "xyz", "must be within 100 m");
-  }
-  void rotation(Eigen::Quaterniond& out) {
-    const toml::node* node = take("q");
-    std::array<double, 4> values{};
-    if (node == nullptr || !numbers(*node, "q", values)) return;
-    const Eigen::Quaterniond rotation(values[3], values[0], values[1], values[2]);
-    if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance)) {
-      return refuse(*node, "q", fmt::format("must be a unit quaternion x y z w; its norm is {:.6g}", rotation.norm()));
-    }
-    out = rotation.normalized();
-  }
-
-  const toml::table* table_;
-  std::string name_, file_;
-  std::vector<std::string> taken_;
-  std::optional<Error> error_;
-};
+constexpr const char* kWhat = kRigWhat;
 
 /// The beam from the data sheet of `model`, or as the file states it; what is stated rules.
-void take_beam(Section& lidar, std::optional<LidarBeam>& out) {
+void take_beam(RigSection& lidar, std::optional<LidarBeam>& out) {
   std::string model;
   lidar.text("model", model);
   if (!model.empty()) {
@@ -192,7 +46,7 @@ void take_beam(Section& lidar, std::optional<LidarBeam>& out) {
     lidar.number("range_resolution_m", kFinestRange_m, kCoarsestRange_m, out->range_resolution_m.emplace());
 }
 
-void take_lidar(Section& section, Rig::Lidar& lidar) {
+void take_lidar(RigSection& section, Rig::Lidar& lidar) {
   section.text("topic", lidar.topic);
   section.number("min_range_m", 0, 1000, lidar.min_range_m);
   section.number("max_range_m", 0.1, 1000, lidar.max_range_m);
@@ -200,14 +54,25 @@ void take_lidar(Section& section, Rig::Lidar& lidar) {
   take_beam(section, lidar.beam);
 }
 
-void take_sensors(Section& lidar, Section& spinner, Section& imu, Section& gps, Rig& rig) {
+void take_spinner(RigSection& spinner, Rig& rig) {
+  if (!spinner.present()) return;
+  rig.spinner = Rig::Spinner();
+  spinner.text("topic", rig.spinner->topic);
+  spinner.text("joint", rig.spinner->joint);
+  spinner.direction("axis", rig.spinner->axis);
+}
+
+void take_time(RigSection& time, Rig& rig) {
+  time.number("lidar_offset_s", -10, 10, rig.lidar_offset_s);
+  time.number("gps_offset_s", -10, 10, rig.gps_offset_s);
+  time.flag("estimate_lidar_offset", rig.estimate_lidar_offset);
+  time.flag("estimate_spinner_offset", rig.estimate_spinner_offset);
+  time.flag("estimate_gps_offset", rig.estimate_gps_offset);
+}
+
+void take_sensors(RigSection& lidar, RigSection& spinner, RigSection& imu, RigSection& gps, Rig& rig) {
   take_lidar(lidar, rig.lidar);
-  if (spinner.present()) {
-    rig.spinner = Rig::Spinner();
-    spinner.text("topic", rig.spinner->topic);
-    spinner.text("joint", rig.spinner->joint);
-    spinner.direction("axis", rig.spinner->axis);
-  }
+  take_spinner(spinner, rig);
   imu.text("topic", rig.imu.topic);
   imu.number("gyro_noise_rad_s_sqrt_hz", 1e-9, 10, rig.imu.gyro_noise_rad_s_sqrt_hz);
   imu.number("accel_noise_m_s2_sqrt_hz", 1e-9, 10, rig.imu.accel_noise_m_s2_sqrt_hz);
@@ -220,7 +85,7 @@ void take_sensors(Section& lidar, Section& spinner, Section& imu, Section& gps, 
 }
 
 /// Identity is a rare rig, so nothing is assumed: every sensor's place must be given.
-void take_extrinsics(Section& extrinsics, Rig& rig) {
+void take_extrinsics(RigSection& extrinsics, Rig& rig) {
   constexpr std::string_view kMeasure = "measure how the sensors are mounted; see docs/rig.md";
   Rigid3 antenna;
   const bool has_antenna = extrinsics.pose("imu_from_gps", false, antenna);
@@ -298,7 +163,7 @@ Result<void> validate_rig(const Rig& rig) {
         !(*beam->range_resolution_m >= kFinestRange_m && *beam->range_resolution_m <= kCoarsestRange_m))
       return bad("lidar.range_resolution_m", "must be 0.005 to 2");
   }
-  const auto is_unit = [](double norm) { return std::abs(norm - 1.0) <= kUnitTolerance; };
+  const auto is_unit = [](double norm) { return std::abs(norm - 1.0) <= kRigUnitTolerance; };
   if (rig.spinner && !is_unit(rig.spinner->axis.norm())) return bad("spinner.axis", "must be a unit vector");
   if (!is_unit(rig.imu_from_spinner.rotation.norm())) return bad("imu_from_spinner", "its quaternion is not unit");
   if (!is_unit(rig.spinner_from_lidar.rotation.norm())) return bad("spinner_from_lidar", "its quaternion is not unit");
@@ -315,19 +180,15 @@ Result<void> validate_rig(const Rig& rig) {
 
 Result<Rig> parse_rig(std::string_view text, const std::string& name) {
   RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, name));
-  Section file(&parsed, "", name);
-  Section lidar = file.section("lidar"), spinner = file.section("spinner"), imu = file.section("imu");
-  Section gps = file.section("gps"), extrinsics = file.section("extrinsics"), time = file.section("time");
+  RigSection file(&parsed, "", name);
+  RigSection lidar = file.section("lidar"), spinner = file.section("spinner"), imu = file.section("imu");
+  RigSection gps = file.section("gps"), extrinsics = file.section("extrinsics"), time = file.section("time");
   RAYFIELD_CHECK(file.finish());
   Rig rig;
   take_sensors(lidar, spinner, imu, gps, rig);
   take_extrinsics(extrinsics, rig);
-  time.number("lidar_offset_s", -10, 10, rig.lidar_offset_s);
-  time.number("gps_offset_s", -10, 10, rig.gps_offset_s);
-  time.flag("estimate_lidar_offset", rig.estimate_lidar_offset);
-  time.flag("estimate_spinner_offset", rig.estimate_spinner_offset);
-  time.flag("estimate_gps_offset", rig.estimate_gps_offset);
-  for (Section* each : {&lidar, &spinner, &imu, &gps, &extrinsics, &time}) RAYFIELD_CHECK(each->finish());
+  take_time(time, rig);
+  for (RigSection* each : {&lidar, &spinner, &imu, &gps, &extrinsics, &time}) RAYFIELD_CHECK(each->finish());
   if (const Result<void> valid = validate_rig(rig); !valid) {
     return fail(ErrorCode::usage, kWhat, name + ", " + valid.error().where, valid.error().why, "see docs/rig.md");
   }
@@ -342,12 +203,35 @@ Result<Rig> read_rig(const std::string& path) {
 Result<std::optional<LidarBeam>> read_rig_beam(const std::string& path) {
   RAYFIELD_ASSIGN(const std::string text, read_text_file(path, kWhat));
   RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, path));
-  Section file(&parsed, "", path);
-  Section lidar = file.section("lidar");
+  RigSection file(&parsed, "", path);
+  RigSection lidar = file.section("lidar");
   Rig rig;
   take_lidar(lidar, rig.lidar);
   RAYFIELD_CHECK(lidar.finish());
   return rig.lidar.beam;
+}
+
+/// A spinner carries the lidar round a circle about its axis: what stays is the circle's centre.
+Eigen::Vector3d mean_lidar_in_imu_m(const Rig& rig) {
+  if (!rig.spinner) return (rig.imu_from_spinner * rig.spinner_from_lidar).translation;
+  const Eigen::Vector3d& axis = rig.spinner->axis;
+  return rig.imu_from_spinner * Eigen::Vector3d(axis * axis.dot(rig.spinner_from_lidar.translation));
+}
+
+Result<RigMounting> read_rig_mounting(const std::string& path) {
+  RAYFIELD_ASSIGN(const std::string text, read_text_file(path, kWhat));
+  RAYFIELD_ASSIGN(const toml::table parsed, parse_tables(text, path));
+  RigSection file(&parsed, "", path);
+  RigSection spinner = file.section("spinner"), extrinsics = file.section("extrinsics"), time = file.section("time");
+  Rig rig;
+  take_spinner(spinner, rig);
+  if (extrinsics.present()) take_extrinsics(extrinsics, rig);
+  take_time(time, rig);
+  for (RigSection* each : {&spinner, &extrinsics, &time}) RAYFIELD_CHECK(each->finish());
+  RigMounting mounting;
+  if (extrinsics.present()) mounting.lidar_in_imu_m = mean_lidar_in_imu_m(rig);
+  mounting.lidar_offset_s = rig.lidar_offset_s;
+  return mounting;
 }
 
 /// Numbers are written with as many digits as bring the same double back.

@@ -9,9 +9,11 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "formats/io/file_io.h"
 #include "formats/vehicle/bzip2_text.h"
+#include "formats/vehicle/trajectory_columns.h"
 
 namespace rayfield::formats {
 namespace {
@@ -52,37 +54,85 @@ void take_comment(std::string_view line, TrajectoryFile& trajectory) {
   if (const auto frame = value_of("frame:")) trajectory.frame = *frame;
 }
 
-Result<void> take_line(std::string_view line, const std::string& where, TrajectoryFile& trajectory) {
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  if (line.find_first_not_of(" \t") == std::string_view::npos) return {};
-  if (line.front() == '#') {
-    take_comment(line, trajectory);
+/// What is read line by line.
+struct TrajectoryParser {
+  const TrajectoryReadOptions& options;
+  TrajectoryFile trajectory;
+  std::optional<TrajectoryColumns> columns;  // of a table
+  bool has_begun = false;                    // a line that is no comment went by
+
+  Result<void> line(std::string_view text, const std::string& where);
+
+ private:
+  Result<bool> take_header(std::string_view text, const std::string& where);
+  Result<void> take_pose(const std::array<double, 8>& v, const std::string& where);
+};
+
+// Whether the first line names columns. One that begins like a comment is a header only if the time comes first and all
+// that is needed follows: "# time of the drive: …" is none, nor is "# crs: t x y z". Names in the order of TUM leave
+// lines as strict as they are without.
+Result<bool> TrajectoryParser::take_header(std::string_view text, const std::string& where) {
+  const bool is_comment = text.front() == '#' || text.front() == '%';
+  const auto found = find_trajectory_columns(text);
+  if (!found && !is_comment) return fail(found.error().code, kRead, where, found.error().why, found.error().next);
+  if (!found || !*found || (is_comment && (*found)->time != 0)) return false;
+  trajectory.has_orientation = (*found)->quaternion.has_value();
+  if (!(*found)->are_tum()) columns = *found;
+  return true;
+}
+
+Result<void> TrajectoryParser::line(std::string_view text, const std::string& where) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (!has_begun && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (text.ends_with('\r')) text.remove_suffix(1);
+  if (text.find_first_not_of(" \t") == std::string_view::npos) return {};
+  if (text.front() == '#' || text.front() == '%') {
+    take_comment(text, trajectory);
+    if (!has_begun && !columns) RAYFIELD_CHECK(take_header(text, where));
     return {};
   }
-  const std::optional<std::array<double, 8>> v = parse_pose(line);
-  if (!v) {
-    return fail(ErrorCode::bad_input, kRead, where, "not the eight numbers t x y z qx qy qz qw",
-                "give a trajectory in TUM format");
+  const std::optional<std::array<double, 8>> pose = columns ? parse_columns(text, *columns) : parse_pose(text);
+  const bool is_first = !std::exchange(has_begun, true);
+  if (pose) return take_pose(*pose, where);
+  if (is_first && !columns) {
+    RAYFIELD_ASSIGN(const bool is_header, take_header(text, where));
+    if (is_header) return {};
   }
-  if (!(std::abs((*v)[1]) <= kFarthest_m && std::abs((*v)[2]) <= kFarthest_m && std::abs((*v)[3]) <= kHighest_m &&
-        std::abs((*v)[0]) <= kLatest_s))
+  if (columns)
+    return fail(ErrorCode::bad_input, kRead, where, "not a number in each column that the header names",
+                "check the header line, or write the trajectory again");
+  return fail(ErrorCode::bad_input, kRead, where, "not the eight numbers t x y z qx qy qz qw",
+              "give a trajectory in TUM format, or a table whose first line names its columns: time, x, y, z");
+}
+
+Result<void> TrajectoryParser::take_pose(const std::array<double, 8>& v, const std::string& where) {
+  constexpr std::size_t kAskedEvery = 65536;
+  if (!(std::abs(v[1]) <= kFarthest_m && std::abs(v[2]) <= kFarthest_m && std::abs(v[3]) <= kHighest_m &&
+        std::abs(v[0]) <= kLatest_s))
     return fail(ErrorCode::bad_input, kRead, where, "its time or place is none on Earth",
                 "give times in seconds since 1970 and places in metres");
-  const Eigen::Quaterniond rotation((*v)[7], (*v)[4], (*v)[5], (*v)[6]);
+  const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
   if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance)) {
     return fail(ErrorCode::bad_input, kRead, where, "the quaternion is not unit");
   }
-  if (!trajectory.poses.empty() && (*v)[0] <= trajectory.poses.back().time_s) {
+  std::vector<TimedPose>& poses = trajectory.poses;
+  if (!poses.empty() && v[0] <= poses.back().time_s) {
     return fail(ErrorCode::bad_input, kRead, where, "the time is not later than in the line before");
   }
-  trajectory.poses.push_back({(*v)[0], {rotation.normalized(), {(*v)[1], (*v)[2], (*v)[3]}}});
+  if (poses.size() >= options.max_poses)
+    return fail(ErrorCode::resources, kRead, where,
+                fmt::format("more than {} poses do not fit in memory", options.max_poses),
+                "give more with --memory, or fewer poses");
+  if (options.cancelled && poses.size() % kAskedEvery == 0 && options.cancelled())
+    return fail(ErrorCode::interrupted, "interrupted", where, "", "run the same command again");
+  poses.push_back({v[0], {rotation.normalized(), {v[1], v[2], v[3]}}});
   return {};
 }
 
 bool one_line(const std::string& text) { return text.find_first_of("\r\n") == std::string::npos; }
 
 // Line by line through a window, so that a long trajectory takes no more memory than its poses.
-Result<void> read_lines(FileWindow& window, TrajectoryFile& trajectory) {
+Result<void> read_lines(FileWindow& window, TrajectoryParser& parser) {
   std::uint64_t at = 0, number = 0;
   const std::string& path = window.file().path();
   while (at < window.file().size()) {
@@ -95,13 +145,13 @@ Result<void> read_lines(FileWindow& window, TrajectoryFile& trajectory) {
       return fail(ErrorCode::bad_input, kRead, where, "the line is longer than 4096 bytes: no trajectory");
     }
     const std::string_view line = text.substr(0, newline);
-    RAYFIELD_CHECK(take_line(line, where, trajectory));
+    RAYFIELD_CHECK(parser.line(line, where));
     at += line.size() + 1;
   }
   return {};
 }
 
-Result<void> read_packed(FileWindow& window, TrajectoryFile& trajectory) {
+Result<void> read_packed(FileWindow& window, TrajectoryParser& parser) {
   const std::string& path = window.file().path();
   RAYFIELD_ASSIGN(const std::span<const std::byte> bytes, window.view(0, window.file().size()));
   auto text = unpack_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -109,7 +159,7 @@ Result<void> read_packed(FileWindow& window, TrajectoryFile& trajectory) {
   std::uint64_t number = 0;
   for (std::string_view rest = *text; !rest.empty();) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
-    RAYFIELD_CHECK(take_line(line, path + ", line " + std::to_string(++number), trajectory));
+    RAYFIELD_CHECK(parser.line(line, path + ", line " + std::to_string(++number)));
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));
   }
   return {};
@@ -153,15 +203,15 @@ Result<void> check_trajectory(const TrajectoryFile& trajectory, const std::strin
 
 }  // namespace
 
-Result<TrajectoryFile> read_trajectory(const std::string& path) {
+Result<TrajectoryFile> read_trajectory(const std::string& path, const TrajectoryReadOptions& options) {
   RAYFIELD_ASSIGN(InputFile file, InputFile::open(path, kRead));
   FileWindow window(std::move(file));
   RAYFIELD_ASSIGN(const std::span<const std::byte> head, window.view(0, 4));
-  TrajectoryFile trajectory;
+  TrajectoryParser parser{options};
   const bool packed = is_packed({reinterpret_cast<const char*>(head.data()), head.size()});
-  RAYFIELD_CHECK(packed ? read_packed(window, trajectory) : read_lines(window, trajectory));
-  if (trajectory.poses.empty()) return fail(ErrorCode::bad_input, kRead, path, "it holds no poses");
-  return trajectory;
+  RAYFIELD_CHECK(packed ? read_packed(window, parser) : read_lines(window, parser));
+  if (parser.trajectory.poses.empty()) return fail(ErrorCode::bad_input, kRead, path, "it holds no poses");
+  return std::move(parser.trajectory);
 }
 
 Result<void> write_trajectory(const std::string& path, const TrajectoryFile& trajectory) {

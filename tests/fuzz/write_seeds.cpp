@@ -17,6 +17,7 @@
 #include "rayfield/formats/rig_file.h"
 #include "rayfield/formats/sensor_log_writer.h"
 #include "rayfield/formats/trajectory_file.h"
+#include "tests/formats/las_support.h"
 #include "tests/fuzz/derived_seeds.h"
 
 namespace {
@@ -141,7 +142,33 @@ Result<void> write_trajectories(const fs::path& folder) {
   RAYFIELD_CHECK(formats::write_trajectory((folder / "text").string(), trajectory));
   RAYFIELD_ASSIGN(const std::string packed, formats::pack_trajectory(trajectory));
   write_text(folder / "packed", packed);
+  write_text(folder / "table",
+             "GPS Time [s];Easting;Northing;Height;qx;qy;qz;qw\n10;1;2;3;0;0;0;1\n11;2;3;4;0;0;1;0\n");
+  write_text(folder / "columns", "%time x y z userfields\n10 1 2 3 0\n11 4 5 6 0\n");
   return {};
+}
+
+// Points of the drive that fuzz_las.cpp knows, of every layout of their records, and with every kind of CRS.
+void write_las_clouds(const fs::path& folder) {
+  using formats::bytes::LasSpec;
+  for (const auto& [minor, format] : {std::pair{2, 1}, {2, 3}, {3, 4}, {4, 6}, {4, 10}}) {
+    LasSpec spec;
+    spec.minor = minor, spec.format = format, spec.offset = {276000, 6099000, 80}, spec.extra_bytes = format % 3;
+    for (int i = 0; i < 20; ++i) {
+      formats::bytes::LasTestPoint point;
+      point.position = spec.offset + Eigen::Vector3d(i, 3, 1);
+      point.time_s = 1625097600.0 - 1315964800.0 + 18 + 2.5 * i;
+      point.return_number = 1 + i % 2, point.returns = 2, point.withheld = i == 4, point.synthetic = i == 6;
+      point.classification = i == 8 ? 7 : 2;
+      spec.points.push_back(point);
+    }
+    if (minor == 2) spec.records = {formats::bytes::geokeys({{1024, 0, 1, 1}, {3072, 0, 1, 7854}})};
+    const std::string wkt = "PROJCS[\"a\",GEOGCS[\"b\",DATUM[\"c\",SPHEROID[\"d\",6378137,298.257]],PRIMEM[\"e\",0]]]";
+    if (minor == 3) spec.encoding = 17, spec.records = {formats::bytes::las_record("LASF_Projection", 2112, wkt)};
+    if (minor == 4) spec.encoding = 17, spec.extended_count = 1;
+    if (minor == 4) spec.extended = formats::bytes::extended_las_record("LASF_Projection", 2112, wkt);
+    write_text(folder / ("format_" + std::to_string(format)), formats::bytes::las_bytes(spec));
+  }
 }
 
 Result<void> write_bag(const fs::path& path, formats::BagCompression compression) {
@@ -245,6 +272,7 @@ int main(int argc, char** argv) {
   write_text(folder / "fuzz_rates" / "semicolons", "\"rate\";\"zone\"\r\n\"1e2\";\"3\"\r\n7;1\r\n0.5;2\r\n");
   write_references(folder / "fuzz_reference");
   write_texts(folder);
+  write_las_clouds(folder / "fuzz_las");
   auto written = write_cloud(folder / "fuzz_ply" / "cloud");
   if (written) written = write_trajectories(folder / "fuzz_trajectory");
   using formats::BagCompression;

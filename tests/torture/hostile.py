@@ -23,6 +23,23 @@ def clouds(lab, store, folder):
         yield f"cloud: {what}", ("add", store, path, "--date", DATES[1], "--no-align"), REFUSED
 
 
+def las_clouds(lab, store, folder):
+    """LAS clouds with a sound path, a sound LAS cloud with other paths, and what does not go together."""
+    del lab
+    path, cloud = written(folder / "path.tum", files.las_path()), written(folder / "sound.las", files.las())
+    date = ("--date", "2021-07-01", "--no-align", "--name", "las")
+    for what, data in files.las_clouds().items():
+        bad = written(folder / (what.replace(" ", "_") + ".las"), data)
+        yield f"cloud: {what}", ("add", store, bad, "--trajectory", path, *date), REFUSED
+        yield f"info of {what}", ("info", bad), {0, 3}
+    for what, data in files.LAS_PATHS.items():
+        given = () if data is None else ("--trajectory", written(folder / ("path_" + what.replace(" ", "_")), data))
+        yield f"path of a LAS cloud: {what}", ("add", store, cloud, *given, *date), REFUSED
+    ply = written(folder / "with_path.ply", files.cloud(files.line_of_rays()))
+    yield "path of a PLY cloud", ("add", store, ply, "--trajectory", path, *date), {2}
+    yield "path that is the cloud", ("add", store, cloud, "--trajectory", cloud, *date), REFUSED
+
+
 def arguments(lab, store, folder):
     good, date = lab.clouds[DATES[1]], DATES[1]
     fifo, link = folder / "fifo", folder / "link"
@@ -131,7 +148,7 @@ def inputs(lab, until):
     folder.mkdir()
     store = lab.copy("one")
     before = content(store)
-    for cases in (clouds, arguments, settings, texts, layers):
+    for cases in (clouds, las_clouds, arguments, settings, texts, layers):
         for what, words, allowed in cases(lab, store, folder):
             begun = time.monotonic()
             outcome = lab.run(*words)

@@ -66,6 +66,76 @@ def clouds(good):
     }
 
 
+def las(points=200, time=309132818.0, version=4, point_format=6, encoding=1, count=None, scale=0.001,
+        offset=(455000.0, 5238000.0, 0.0), records=b"", record_count=0, point_bytes=30, begin=None):
+    """Bytes of a LAS cloud: points under a vehicle that drives east at 1 m/s from 2021-07-01."""
+    header_bytes = 375 if version == 4 else 227
+    body = b"".join(struct.pack("<3iH2BBBhHd", 100 * i, 1000, 0, 90, 0x11, 0, 2, 0, 0, 0, time + 0.1 * i)
+                    for i in range(points))
+    header = b"LASF" + struct.pack(
+        "<HH16x2B64xHHHIIBHI20x", 0, encoding, 1, version, 182, 2021, header_bytes,
+        header_bytes + len(records) if begin is None else begin, record_count, point_format, point_bytes, 0)
+    header += struct.pack("<6d48x", scale, scale, scale, *offset)
+    if version == 4:
+        header += struct.pack("<QQIQ", 0, 0, 0, points if count is None else count)
+    return header.ljust(header_bytes, b"\0") + records + body
+
+
+def las_record(record, payload, length=None):
+    size = len(payload) if length is None else length
+    return struct.pack("<H16sHH32x", 0, b"LASF_Projection", record, size) + payload
+
+
+def las_keys(*keys):
+    numbers = [1, 1, 0, len(keys)]
+    for key, value in keys:
+        numbers += [key, 0, 1, value]
+    return las_record(34735, struct.pack(f"<{len(numbers)}H", *numbers))
+
+
+def las_path(start=1625097600.0, n=210):
+    return "".join(f"{start + 0.1 * i} {455000 + 0.1 * i} 5238000 2 0 0 0 1\n" for i in range(n))
+
+
+def las_clouds():
+    """{name: bytes}"""
+    good, bad = las(), float("nan")
+
+    def with_record(record, **more):
+        return las(records=record, record_count=1, **more)
+
+    return {
+        "no LAS": b"LASF", "LAS cut in the header": good[:200], "LAS cut in a point": good[:-7],
+        "LAS of text": b"LASF" * 500, "LAS 1.1": las(version=1), "LAS 1.9": las(version=9),
+        "LAZ": las(point_format=0x86), "LAS without times": las(point_format=0),
+        "LAS of a format that is none": las(point_format=99), "LAS of no points": las(points=0),
+        "LAS of 2^64 points": las(count=2**64 - 1), "LAS of too few points": las(count=5),
+        "LAS points of no bytes": las(point_bytes=0), "LAS points too short": las(point_bytes=20),
+        "LAS points of 64 kB": las(point_bytes=65535), "LAS scale of 0": las(scale=0.0),
+        "LAS scale of nan": las(scale=bad), "LAS scale of 1e300": las(scale=1e300),
+        "LAS offset of nan": las(offset=(bad, 0, 0)), "LAS offset of 1e300": las(offset=(1e300, 0, 0)),
+        "LAS far from its trajectory": las(offset=(0.0, 0.0, 0.0)),
+        "LAS times of another day": las(time=309132818.0 - 86400), "LAS times not numbers": las(time=bad),
+        "LAS times of 1e300": las(time=1e300), "LAS points in the header": las(begin=100),
+        "LAS points behind the end": las(begin=2**32 - 1), "LAS of 2^32 records": las(record_count=2**32 - 1),
+        "LAS record too long": with_record(las_record(2112, b"x", 65535)),
+        "LAS crs of deep WKT": with_record(las_record(2112, b'PROJCS["x",' + b"A[" * 20000), encoding=17),
+        "LAS crs that is none": with_record(las_record(2112, b"/etc/passwd"), encoding=17),
+        "LAS of another crs": with_record(las_keys((3072, 7854))),
+        "LAS of a geographic crs": with_record(las_keys((1024, 2), (2048, 4326))),
+    }
+
+
+LAS_PATHS = {
+    "none": None, "empty": "", "of another day": las_path(start=1.5e9),
+    "of one pose": "1625097605 455000 5238000 2 0 0 0 1\n",
+    "of a table without heights": "time,x,y\n1625097600,455000,5238000\n",
+    "of a table in degrees": "time,lat,lon,height\n1,2,3,4\n", "of a table of words": "time,x,y,z\na,b,c,d\n",
+    "of a table of nan": "time,x,y,z\n1625097600,nan,nan,nan\n", "of columns without end": "time" + ",x" * 1000 + "\n",
+    "of a table cut in a line": "time,x,y,z\n1625097600,455000,52", "in another crs": "# crs: EPSG:7854\n" + las_path(),
+    "in a crs that is none": "# crs: x\n" + las_path()}
+
+
 def tomls(good, kind):
     """{name: text} of TOML files that go wrong in ways that do not depend on what they are for."""
     first = next(line for line in good.splitlines() if line.startswith("["))

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "formats/picture/color.h"
-#include "formats/point_cloud/gps_time.h"
 #include "tests/formats/temporary_file.h"
 
 namespace rayfield::formats {
@@ -181,13 +180,6 @@ TEST(PointCloud, WrongInputIsRefused) {
   DensityPoints points = three_points();
   points.position[1].x() = std::nan("");
   EXPECT_EQ(writer->write(points).error().code, ErrorCode::bad_input);
-}
-
-TEST(GpsTime, CountsLeapSeconds) {
-  EXPECT_EQ(adjusted_gps_time(315964800), -1e9) << "1980-01-06, when it begins";
-  EXPECT_EQ(adjusted_gps_time(362793599), 362793599.0 - 315964800 - 1e9);
-  EXPECT_EQ(adjusted_gps_time(362793600), 362793601.0 - 315964800 - 1e9) << "the first leap second";
-  EXPECT_EQ(adjusted_gps_time(1316000000), 1316000000.0 - 315964800 + 15 - 1e9) << "September 2011";
 }
 
 }  // namespace

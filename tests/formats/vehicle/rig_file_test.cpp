@@ -199,6 +199,29 @@ TEST(RigFile, AssumesNothingAboutTheMounting) {
   EXPECT_THAT(error_line(replaced("spinner_from_lidar", "imu_from_lidar")), HasSubstr("the rig has a spinner"));
 }
 
+TEST(RigFile, GivesTheMountingAloneToPointsWithATrajectory) {
+  const auto read = [](const std::string& text) {
+    const bytes::TemporaryFile file(text, ".toml");
+    return read_rig_mounting(file.path());
+  };
+  // Of the lidar on a spinner the centre of its circle: a quarter turn of the spinner frame, its axis along y.
+  const auto spun = read(
+      "[lidar]\nnonsense = 1\n[spinner]\naxis = [0, 1, 0]\n[extrinsics]\n"
+      "imu_from_spinner = { xyz = [1, 2, 3], q = [0, 0, 0.7071067811865476, 0.7071067811865476] }\n"
+      "spinner_from_lidar = { xyz = [0.5, 0.25, 0.125] }\n[time]\nlidar_offset_s = 0.02\n");
+  ASSERT_TRUE(spun) << spun.error().line();
+  EXPECT_LT((*spun->lidar_in_imu_m - Eigen::Vector3d(0.75, 2, 3)).norm(), 1e-12);
+  EXPECT_EQ(spun->lidar_offset_s, 0.02);
+  const auto fixed = read("[extrinsics]\nimu_from_lidar = { xyz = [0.1, 0, -0.2] }\n");
+  ASSERT_TRUE(fixed) << fixed.error().line();
+  EXPECT_LT((*fixed->lidar_in_imu_m - Eigen::Vector3d(0.1, 0, -0.2)).norm(), 1e-12);
+  const auto beam = read("[lidar]\nmodel = \"VLP16\"\n");
+  ASSERT_TRUE(beam) << beam.error().line();
+  EXPECT_FALSE(beam->lidar_in_imu_m);
+  EXPECT_THAT(read("[extrinsics]\n").error().line(), HasSubstr("extrinsics.imu_from_lidar is missing"));
+  EXPECT_THAT(read("[extrinsics]\nimu_from_lidar = 5\n").error().line(), HasSubstr("line 2"));
+}
+
 TEST(RigFile, RefusesFilesThatCannotBeRead) {
   EXPECT_EQ(read_rig("/nonexistent/rig.toml").error().code, ErrorCode::bad_input);
   const bytes::TemporaryFile huge(std::string((1 << 20) + 1, '#'), ".toml");

@@ -11,7 +11,9 @@
 #include "rayfield/formats/sensor_log_report.h"  // what became of a log's messages
 #include "rayfield/formats/sensor_log_writer.h"  // writes the sensors of a rig to a log
 
-// Ray clouds (docs/ray-cloud-ply.md)
+// Ray clouds (docs/ray-cloud-ply.md, docs/ray-cloud-las.md)
+#include "rayfield/formats/las_info.h"    // what is in a LAS file
+#include "rayfield/formats/las_reader.h"  // a stream of rays from LAS and a trajectory
 #include "rayfield/formats/ply_reader.h"  // a stream of rays from raycloudtools PLY
 #include "rayfield/formats/ply_writer.h"  // the same, written
 

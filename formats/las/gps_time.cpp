@@ -1,12 +1,10 @@
-#include "formats/point_cloud/gps_time.h"
+#include "formats/las/gps_time.h"
 
 #include <algorithm>
 #include <array>
 
 namespace rayfield::formats {
 namespace {
-
-constexpr double kGpsEpoch = 315964800;  // Unix time of 1980-01-06
 
 /// Unix times at which a leap second had just been added since then (IERS Bulletin C).
 constexpr std::array<double, 18> kLeaps{
@@ -32,10 +30,21 @@ constexpr std::array<double, 18> kLeaps{
 
 }  // namespace
 
+double leap_seconds(double unix_time_s) {
+  return static_cast<double>(std::upper_bound(kLeaps.begin(), kLeaps.end(), unix_time_s) - kLeaps.begin());
+}
+
 double adjusted_gps_time(double unix_time_s) {
-  const auto leaps = std::upper_bound(kLeaps.begin(), kLeaps.end(), unix_time_s) - kLeaps.begin();
   // The whole seconds first: their difference is exact, and smaller than what the fraction is added to.
-  return (unix_time_s - (kGpsEpoch + 1e9)) + static_cast<double>(leaps);
+  return (unix_time_s - (kGpsEpoch_s + kGpsTimeAdjustment_s)) + leap_seconds(unix_time_s);
+}
+
+double unix_time_of_adjusted(double adjusted_gps_s) {
+  const double without_leaps = adjusted_gps_s + (kGpsEpoch_s + kGpsTimeAdjustment_s);
+  // On a clock that counts leap seconds the one before kLeaps[k] begins k seconds later, and lasts a second.
+  std::size_t leaps = 0;
+  while (leaps < kLeaps.size() && without_leaps - static_cast<double>(leaps) >= kLeaps[leaps] + 1) ++leaps;
+  return without_leaps - static_cast<double>(leaps);
 }
 
 }  // namespace rayfield::formats
