@@ -27,6 +27,8 @@ bool is_kept(const Eigen::Vector2d& place, double share) {
   return static_cast<double>(mixed >> 11) * 0x1p-53 < share;
 }
 
+constexpr double kFreshM = 1.5;  // inside grids, for DirectionCounters of beams that are not thin
+
 bool same_grid(const RowSegment& a, const RowSegment& b) {
   return a.row == b.row && a.index == b.index && a.shape() == b.shape();
 }
@@ -320,13 +322,11 @@ VoxelAccumulator::Counted VoxelAccumulator::count(const Ray& ray, std::vector<st
   return counted;
 }
 
-bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
-  const Geometry& g = *geometry_;
-  const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
-  const double doubled_projection = 2 * g.projection(ray.direction.z());
+void VoxelAccumulator::meet_grids(const Ray& ray, double end) {
   met_.clear();
   for (const std::size_t item : candidates_) {
-    const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
+    const Eigen::Vector3d g0 = geometry_->frames[item].grid_from_map(ray.origin);
+    const Eigen::Vector3d dg = geometry_->frames[item].linear * ray.direction;
     const Shape3 shape = sums_[item].row_segment.shape();
     GridChord chord{0, end, -1};
     if (clip_to_grid({shape.ni, shape.nj, shape.nk}, g0, dg, chord))
@@ -334,6 +334,13 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
   }
   std::sort(met_.begin(), met_.end(),
             [](const Met& a, const Met& b) { return a.from != b.from ? a.from < b.from : a.item < b.item; });
+}
+
+bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
+  const Geometry& g = *geometry_;
+  const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
+  const double doubled_projection = 2 * g.projection(ray.direction.z());
+  meet_grids(ray, end);
   WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
   bool hit = false;
   for (const Met& met : met_) {
@@ -349,21 +356,33 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
 
 void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
   const Geometry& g = *geometry_;
-  double end = ray.length, passed = 0;
-  WideRay wide{0, 0, 0, 1};
-  if (g.view) {
-    if (ray.hit && !on_wood) end += g.view->behind_m;
-    passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo);
-    wide = {g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+  if (!g.view) {
+    const WideRay thin{0, 0, 0, 1};
+    for (const std::size_t item : candidates_) {
+      if (sums_[item].directions.empty()) continue;
+      const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
+      for (const RayPiece& piece : pieces) add_directions(sums_[item], g0, dg, piece, thin);
+    }
+    return;
   }
+  const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
+  const double passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo);
+  WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
   const double width_m = wide.width_at_origin_m + wide.divergence_rad * ray.length;
-  for (const std::size_t item : candidates_) {
-    if (sums_[item].directions.empty()) continue;
-    const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
-    for (const RayPiece& piece : pieces) add_directions(sums_[item], g0, dg, piece, wide);
-    if (end > ray.length)
-      add_directions_behind(sums_[item], g0, dg, {ray.length, end, 0, false, false, false, pieces.front().steepness},
-                            passed, width_m);
+  meet_grids(ray, end);
+  double inside_m = 0;
+  for (const Met& met : met_) {
+    const double until = met.from + kFreshM - inside_m;
+    inside_m += met.to - met.from;
+    if (sums_[met.item].directions.empty()) continue;
+    for (RayPiece piece : pieces) {
+      piece.hit = piece.hit && piece.to <= until, piece.to = std::min(piece.to, until);
+      if (piece.from < piece.to) add_directions(sums_[met.item], met.g0, met.dg, piece, wide);
+    }
+    if (const double last = std::min(end, until); last > ray.length)
+      add_directions_behind(sums_[met.item], met.g0, met.dg,
+                            {ray.length, last, 0, false, false, false, pieces.front().steepness}, passed, width_m);
+    if (inside_m >= kFreshM) return;
   }
 }
 
