@@ -22,9 +22,12 @@ constexpr double kWeakest = 1.03;        // nearly: where they begin, in detecti
 constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
 constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
 constexpr double kSeveralBeamsResolutionPath = 0.6;
+constexpr double kOfLeaf = 0.6;                       // full echoes: weaker ones are not taken for one of a leaf's
 constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
-constexpr double kWeakestFullEcho = 0.5;              // of leaves turned somehow, over that of leaves turned at random
-constexpr int kRounds = 4;  // full echo, detection share and size of leaves depend on each other
+constexpr double kSmear = 0.8, kUnmixed = 1.3, kMixedPerM = 2, kMostMixedM = 0.4;
+constexpr double kSeveralBeamsOfLeaf = 0.5;
+constexpr double kWeakestFullEcho = 0.5;  // of leaves turned somehow, over that of leaves turned at random
+constexpr int kRounds = 4;                // full echo, detection share and size of leaves depend on each other
 
 using Bins = std::array<EchoStatistics::Sum, EchoStatistics::kWidthBins>;
 
@@ -85,8 +88,12 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
     model.leaf_size_m2 = known.leaf_size_m2, model.leaf_measured = true;
     return;
   }
-  const LeafSize apparent = estimate_leaf_size(statistics.pairs_from(model.full_echo / 2));
-  const double smear = 1 + std::pow(model.mean_width_m / kSmearM, kSmearPower);
+  const bool one_beam = sends_one_beam(statistics);
+  const LeafSizePairs pairs = statistics.pairs_from(model.full_echo * (one_beam ? kOfLeaf : kSeveralBeamsOfLeaf));
+  const LeafSize apparent = estimate_leaf_size(pairs);
+  const double widths = std::pow(model.mean_width_m / kSmearM, kSmearPower);
+  const double mixed = kUnmixed * std::exp(-kMixedPerM * std::min(kMostMixedM, model.range_resolution_m));
+  const double smear = one_beam ? mixed * (1 + kSmear * widths) : 1 + widths;
   model.leaf_measured = apparent.measured;
   model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }

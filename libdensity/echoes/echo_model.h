@@ -50,9 +50,11 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// the beams over the share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the
 /// wood among the echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with
 /// several beams at a time (not sends_one_beam()): the mean echo, the strength that 5 % do not reach, and a
-/// resolution_path of 0.6. Leaves: estimate_leaf_size() of pairs of at least half a full echo, whose side is too large
-/// by 1 + (D/60 mm)^1.5, D the mean width. Fitted, to simulated scans (docs/beams.md): the 2 % and 1.03, the two
-/// numbers of the leaves' side, and the density behind mean_echo_share().
+/// resolution_path of 0.6. Leaves: estimate_leaf_size() of pairs of at least 0.6 of a full echo. Their side looks
+/// larger the wider the beams are, and smaller the coarser the range resolution b is, since echoes of one leaf lie
+/// apart where other leaves behind it are in some of them: by 1.3·exp(−2b)·(1 + 0.8·(D/60 mm)^1.5), D the mean width, b
+/// in m, up to 0.4. Lidars with several beams: half a full echo and 1 + (D/60 mm)^1.5. Fitted, to simulated scans
+/// (docs/beams.md): the 2 % and 1.03, the numbers of the leaves' side, and the density behind mean_echo_share().
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

@@ -11,7 +11,7 @@ constexpr double kUsualCosine = 0.8;  // of full echoes: leaves that face the li
 
 int level_of(double intensity) {
   if (intensity < 1) return 0;
-  return std::min(EchoStatistics::kLevels - 1, static_cast<int>(4 * std::log2(intensity)));
+  return std::min(EchoStatistics::kLevels - 1, static_cast<int>(8 * std::log2(intensity)));
 }
 
 std::size_t bin_of(double width_m) {

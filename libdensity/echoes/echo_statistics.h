@@ -17,7 +17,7 @@ class EchoStatistics {
   static constexpr int kWidthBins = 80;
   static constexpr double kWidthStepM = 0.002;
   static constexpr int kIntensities = 1 << 16;
-  static constexpr int kLevels = 64;  ///< of intensity, four to a doubling
+  static constexpr int kLevels = 128;  ///< of intensity, eight to a doubling
 
   struct Sum {
     std::int64_t count = 0, intensity = 0;

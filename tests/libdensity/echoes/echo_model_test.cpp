@@ -112,6 +112,22 @@ TEST(EchoModel, WhereMostIsWoodLeavesTellNothing) {
   EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03)).has_value());
 }
 
+// The same pairs of echoes: where what lies farther behind is in an echo, too, leaves are larger than they look.
+TEST(EchoModel, LeavesLookSmallerThroughCoarserRangeResolutions) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+  add_close_pairs(statistics);
+  EchoKnowledge known = lidar(0.03);
+  known.leaf_size_m2 = -1;
+  const auto area_m2 = [&](double range_resolution_m) {
+    known.range_resolution_m = range_resolution_m;
+    const auto model = estimate_echo_model(statistics, known);
+    EXPECT_TRUE(model->leaf_measured);
+    return model->leaf_size_m2;
+  };
+  EXPECT_NEAR(area_m2(0.25) / area_m2(0.15), std::exp(4 * 0.1), 1e-6);
+  EXPECT_EQ(area_m2(0.5), area_m2(0.4));
+}
+
 TEST(EchoModel, WhatIsKnownIsTaken) {
   EchoKnowledge known = lidar(0.03);
   known.full_echo = 2500, known.beam.detection_share = 0.4;
