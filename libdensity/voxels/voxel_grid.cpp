@@ -17,6 +17,8 @@
 namespace rayfield::density {
 namespace {
 
+constexpr double kFreshM = 1.5;  // inside grids, for DirectionCounters of beams that are not thin
+
 /// Whether a place is among a share of all places, in squares of half a metre.
 bool is_kept(const Eigen::Vector2d& place, double share) {
   constexpr double kSquareM = 0.5;
@@ -26,8 +28,6 @@ bool is_kept(const Eigen::Vector2d& place, double share) {
   mixed ^= mixed >> 29;
   return static_cast<double>(mixed >> 11) * 0x1p-53 < share;
 }
-
-constexpr double kFreshM = 1.5;  // inside grids, for DirectionCounters of beams that are not thin
 
 bool same_grid(const RowSegment& a, const RowSegment& b) {
   return a.row == b.row && a.index == b.index && a.shape() == b.shape();

@@ -169,8 +169,8 @@ class VoxelAccumulator {
   bool count_wide(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
   /// Into met_: the grids among the candidates that the ray crosses up to `end`, in its order.
   void meet_grids(const Ray& ray, double end);
-  /// As count(), into the counters of directions. Of beams that are not thin only what they meet in their first metre
-  /// or so inside grids: deeper in they have lost more (docs/beams.md), level ones more than steep ones.
+  /// As count(), into the counters of directions. Of beams that are not thin only what they meet in their first 1.5 m
+  /// inside grids: deeper in they have lost more (docs/beams.md), level ones more than steep ones.
   void count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
   /// Into statistics_ and leaf_echoes_.
   void add_echo(const Ray& ray, const Counted& counted);
