@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -13,14 +14,15 @@
 namespace rayfield::cli {
 namespace {
 
-volatile std::sig_atomic_t g_interrupted = 0;
+// Atomic, as the handler runs in one thread and all of them read it; without a lock, as a handler must not wait.
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_interrupt(int signal_number) {
-  if (g_interrupted != 0) {
+  if (g_interrupted.exchange(true)) {
     std::signal(signal_number, SIG_DFL);
     std::raise(signal_number);
   }
-  g_interrupted = 1;
 }
 
 std::string count_text(double count) {
@@ -46,7 +48,7 @@ ProgressReporter::ProgressReporter(ProgressStyle style, bool quiet) : style_(sty
 
 ProgressReporter::~ProgressReporter() { finish(); }
 
-bool ProgressReporter::cancelled() const { return g_interrupted != 0; }
+bool ProgressReporter::cancelled() const { return g_interrupted.load(std::memory_order_relaxed); }
 
 void ProgressReporter::stage(std::string_view name, std::uint64_t total, std::string_view unit) {
   finish();
