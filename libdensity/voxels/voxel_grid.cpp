@@ -356,24 +356,19 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
 
 void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
   const Geometry& g = *geometry_;
-  if (!g.view) {
-    const WideRay thin{0, 0, 0, 1};
-    for (const std::size_t item : candidates_) {
-      if (sums_[item].directions.empty()) continue;
-      const Eigen::Vector3d g0 = g.frames[item].grid_from_map(ray.origin), dg = g.frames[item].linear * ray.direction;
-      for (const RayPiece& piece : pieces) add_directions(sums_[item], g0, dg, piece, thin);
-    }
-    return;
+  double end = ray.length, passed = 0, fresh_m = std::numeric_limits<double>::infinity();
+  WideRay wide{0, 0, 0, 1};
+  if (g.view) {
+    if (ray.hit && !on_wood) end += g.view->behind_m;
+    passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo), fresh_m = kFreshM;
+    wide = {g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
   }
-  const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
-  const double passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo);
-  WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
   const double width_m = wide.width_at_origin_m + wide.divergence_rad * ray.length;
   meet_grids(ray, end);
-  double inside_m = 0;
   for (const Met& met : met_) {
-    const double until = met.from + kFreshM - inside_m;
-    inside_m += met.to - met.from;
+    if (!(fresh_m > 0)) return;
+    const double until = met.from + fresh_m;
+    fresh_m -= met.to - met.from;
     if (sums_[met.item].directions.empty()) continue;
     for (RayPiece piece : pieces) {
       piece.hit = piece.hit && piece.to <= until, piece.to = std::min(piece.to, until);
@@ -382,7 +377,6 @@ void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece
     if (const double last = std::min(end, until); last > ray.length)
       add_directions_behind(sums_[met.item], met.g0, met.dg,
                             {ray.length, last, 0, false, false, false, pieces.front().steepness}, passed, width_m);
-    if (inside_m >= kFreshM) return;
   }
 }
 
