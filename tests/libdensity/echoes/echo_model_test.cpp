@@ -138,6 +138,26 @@ TEST(EchoModel, WhatIsKnownIsTaken) {
   EXPECT_EQ(model->leaf_size_m2, 0.0064);
 }
 
+// What is lost must not go with the unit in which a lidar tells intensities: where full echoes are 37 to 90 of them, the
+// band above the weakest echo holds four to nine whole numbers.
+TEST(EchoModel, TheLostShareDoesNotGoWithTheUnitOfIntensities) {
+  const auto lost = [](double full) {
+    EchoStatistics statistics;
+    std::mt19937_64 rng(7);
+    std::uniform_real_distribution<double> strength(0.25, 1);
+    for (int i = 0; i < 200000; ++i)
+      statistics.add_echo(static_cast<std::uint16_t>(std::lround(full * strength(rng))), 0.03);
+    for (int i = 0; i < 100000; ++i) statistics.add_previous_beside();
+    EchoKnowledge known = lidar(0.03);
+    known.full_echo = full, known.beam.detection_share = 0.25;
+    return estimate_echo_model(statistics, known)->lost_share;
+  };
+  // Echoes per unit of strength are 1/0.75 of all, their mean strength is 0.625: 1.2·f·t²/2 beside 0.625.
+  const double pieces = 1.2 / 0.75 * 0.25 * 0.25 / 2, expected = pieces / (0.625 + pieces);
+  for (const double full : {3000.0, 90.0, 64.0, 54.4, 45.0, 37.0})
+    EXPECT_NEAR(lost(full), expected, 0.06 * expected) << full;
+}
+
 TEST(EchoModel, TooFewEchoesOrNoIntensitiesTellNothing) {
   EXPECT_FALSE(estimate_echo_model(whole_leaves(0.03, 1, 1000), lidar(0.03)).has_value());
   EchoStatistics dark, flat;
