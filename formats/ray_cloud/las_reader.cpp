@@ -8,7 +8,7 @@
 
 #include "formats/las/las_file.h"
 #include "formats/las/point_filter.h"
-#include "formats/las/sensor_track.h"
+#include "formats/las/sensor_positions.h"
 #include "formats/las/time_match.h"
 #include "rayfield/core/median.h"
 
@@ -36,7 +36,7 @@ struct LasReader::Impl {
   LasFile file;
   std::shared_ptr<const TrajectoryFile> trajectory;
   LasReadOptions options;
-  SensorTrack track;
+  SensorPositions track;
   TimeMatch match;
   std::uint64_t next = 0;  // point
   PointFilter filter;
@@ -80,7 +80,7 @@ Result<void> LasReader::Impl::check_distance(const std::vector<LasPoint>& sample
   for (const LasPoint& point : samples) {
     Eigen::Vector3d origin;
     if (!std::isfinite(point.gps_time_s)) continue;
-    if (track.at(match.trajectory_time(point.gps_time_s), origin) == SensorTrack::Place::found)
+    if (track.at(match.trajectory_time(point.gps_time_s), origin) == SensorPositions::Place::found)
       away_m.push_back((point.position - origin).norm());
   }
   const double median_m = away_m.empty() ? 0 : median_of(away_m);
@@ -94,11 +94,11 @@ void LasReader::Impl::add(const LasPoint& point, RayBatch& batch) {
   if (!filter.takes(point)) return;
   const double time_s = match.trajectory_time(point.gps_time_s + options.time_offset_s);
   Eigen::Vector3d origin;
-  const SensorTrack::Place place = track.at(time_s, origin);
+  const SensorPositions::Place place = track.at(time_s, origin);
   std::uint64_t* reason = nullptr;
-  if (place == SensorTrack::Place::outside) {
+  if (place == SensorPositions::Place::outside) {
     reason = &left_out.outside;
-  } else if (place == SensorTrack::Place::gap) {
+  } else if (place == SensorPositions::Place::gap) {
     reason = &left_out.in_gap;
   } else if (!(std::max(point.position.cwiseAbs().maxCoeff(), origin.cwiseAbs().maxCoeff()) <= kMaxCoordinate_m)) {
     reason = &left_out.too_far;

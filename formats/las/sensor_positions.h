@@ -9,14 +9,14 @@
 namespace rayfield::formats {
 
 /// Where the sensor was at any time of a trajectory.
-class SensorTrack {
+class SensorPositions {
  public:
   enum class Place { found, outside, gap };
 
   /// `lever_arm_m`: the sensor in the frame of the trajectory's body; other than zero only where that has an
   /// orientation. Poses further apart than `max_gap_s` leave a gap between them. `trajectory`: at least one pose.
-  SensorTrack(std::shared_ptr<const TrajectoryFile> trajectory, const Eigen::Vector3d& lever_arm_m, double max_gap_s,
-              double tolerance_s);
+  SensorPositions(std::shared_ptr<const TrajectoryFile> trajectory, const Eigen::Vector3d& lever_arm_m,
+                  double max_gap_s, double tolerance_s);
 
   /// The sensor's position in the map, between two poses linear in position and along the geodesic in orientation. Up
   /// to the tolerance beside a pose where the trajectory or a gap ends it is that of the pose. Queries in the order of

@@ -1,14 +1,14 @@
-#include "formats/las/sensor_track.h"
+#include "formats/las/sensor_positions.h"
 
 #include <algorithm>
 
 namespace rayfield::formats {
 
-SensorTrack::SensorTrack(std::shared_ptr<const TrajectoryFile> trajectory, const Eigen::Vector3d& lever_arm_m,
-                         double max_gap_s, double tolerance_s)
+SensorPositions::SensorPositions(std::shared_ptr<const TrajectoryFile> trajectory, const Eigen::Vector3d& lever_arm_m,
+                                 double max_gap_s, double tolerance_s)
     : trajectory_(std::move(trajectory)), lever_arm_m_(lever_arm_m), max_gap_s_(max_gap_s), tolerance_s_(tolerance_s) {}
 
-SensorTrack::Place SensorTrack::at(double time_s, Eigen::Vector3d& p_in_map) {
+SensorPositions::Place SensorPositions::at(double time_s, Eigen::Vector3d& p_in_map) {
   const std::vector<TimedPose>& poses = trajectory_->poses;
   const double first_s = poses.front().time_s, last_s = poses.back().time_s;
   if (!(time_s >= first_s - tolerance_s_ && time_s <= last_s + tolerance_s_)) return Place::outside;
