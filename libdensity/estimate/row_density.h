@@ -1,6 +1,5 @@
 #pragma once
-/// estimate: counts become density, and densities panels, half metres, sections and maps (docs/density.md,
-/// "Estimating").
+/// estimate: counts become density, row by row (docs/density.md, "Estimating").
 
 #include <cstdint>
 #include <optional>

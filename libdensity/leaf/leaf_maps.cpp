@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "libdensity/estimate/descriptors.h"
-#include "libdensity/estimate/leaf_area.h"
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/descriptors.h"
+#include "libdensity/integration/leaf_area.h"
+#include "libdensity/integration/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/results/results_io.h"
 #include "libdensity/results/stored_descriptors.h"

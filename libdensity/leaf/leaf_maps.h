@@ -3,8 +3,8 @@
 #include <functional>
 #include <span>
 
-#include "libdensity/estimate/plan_raster.h"
 #include "libdensity/estimate/row_density.h"
+#include "libdensity/integration/plan_raster.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/leaf/leaf_products.h"
 #include "libdensity/results/leaf_values.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "libdensity/echoes/echo_model_arrays.h"
-#include "libdensity/estimate/leaf_area.h"
+#include "libdensity/integration/leaf_area.h"
 #include "libdensity/leaf/leaf_maps.h"
 #include "libdensity/leaf/leaf_pairs.h"
 #include "libdensity/leaf/wood_estimate.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "libdensity/estimate/row_shares.h"
+#include "libdensity/integration/row_shares.h"
 
 namespace rayfield::density {
 namespace {

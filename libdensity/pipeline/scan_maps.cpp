@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/tiles/rounding.h"
 

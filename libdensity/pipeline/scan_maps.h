@@ -1,8 +1,8 @@
 #pragma once
 
-#include "libdensity/estimate/plan_raster.h"
 #include "libdensity/ground/ground_model.h"
 #include "libdensity/ground/scan_survey.h"
+#include "libdensity/integration/plan_raster.h"
 #include "libdensity/layout/row_layout.h"
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"

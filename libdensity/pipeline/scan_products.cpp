@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "libdensity/echoes/echo_model_arrays.h"
-#include "libdensity/estimate/descriptors.h"
-#include "libdensity/estimate/integrate.h"
-#include "libdensity/estimate/plan_raster.h"
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/descriptors.h"
+#include "libdensity/integration/integrate.h"
+#include "libdensity/integration/plan_raster.h"
+#include "libdensity/integration/raster_frame.h"
 #include "libdensity/layout/polyline.h"
 #include "libdensity/pipeline/scan_maps.h"
 #include "libdensity/results/results_io.h"

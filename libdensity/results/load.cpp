@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/ground/ground_arrays.h"
+#include "libdensity/integration/raster_frame.h"
 #include "libdensity/registry/layout_products.h"
 #include "libdensity/registry/layout_store.h"
 #include "libdensity/results/leaf_values.h"

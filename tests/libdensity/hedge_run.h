@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "libdensity/estimate/integrate.h"
 #include "libdensity/estimate/row_density.h"
+#include "libdensity/integration/integrate.h"
 #include "tests/libdensity/hedge_scene.h"
 
 /// A hedge through counting, estimating and integrating.

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "libdensity/estimate/plan_raster.h"
+#include "libdensity/integration/plan_raster.h"
 
 namespace rayfield::density::testing {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "libdensity/estimate/integrate.h"
+#include "libdensity/integration/integrate.h"
 #include "tests/libdensity/random_row.h"
 
 namespace rayfield::density {

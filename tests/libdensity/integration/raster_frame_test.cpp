@@ -1,4 +1,4 @@
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/raster_frame.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "libdensity/estimate/leaf_area.h"
+#include "libdensity/integration/leaf_area.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "libdensity/estimate/row_shares.h"
 #include "libdensity/estimate/slab_density.h"
 #include "libdensity/estimate/uneven_density.h"
+#include "libdensity/integration/row_shares.h"
 
 namespace rayfield::density {
 namespace {

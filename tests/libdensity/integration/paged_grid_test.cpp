@@ -1,4 +1,4 @@
-#include "libdensity/estimate/paged_grid.h"
+#include "libdensity/integration/paged_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"
 
-/// From the densities of a row to what people use. Densities are integrated, never averaged over
-/// a canopy outline: outlines are ill-defined.
+/// integration: from the densities of a row to panels, half metres, sections and maps. Densities are integrated, never
+/// averaged over a canopy outline: outlines are ill-defined.
 namespace rayfield::density {
 
 /// Values of the row's panels, in their order; identities (panel_uid, scan) are left to the caller. `panels`: of this

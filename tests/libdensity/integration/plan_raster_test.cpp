@@ -1,4 +1,4 @@
-#include "libdensity/estimate/plan_raster.h"
+#include "libdensity/integration/plan_raster.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/raster_frame.h"
 #include "tests/libdensity/plan_values.h"
 #include "tests/libdensity/random_row.h"
 

@@ -1,5 +1,5 @@
-#include "libdensity/estimate/integrate.h"
-#include "libdensity/estimate/row_shares.h"
+#include "libdensity/integration/integrate.h"
+#include "libdensity/integration/row_shares.h"
 #include "libdensity/tiles/rounding.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "libdensity/estimate/integrate.h"
+#include "libdensity/integration/integrate.h"
 
 #include <gtest/gtest.h>
 

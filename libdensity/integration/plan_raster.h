@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "libdensity/estimate/paged_grid.h"
-#include "libdensity/estimate/raster_frame.h"
 #include "libdensity/estimate/row_density.h"
+#include "libdensity/integration/paged_grid.h"
+#include "libdensity/integration/raster_frame.h"
 #include "rayfield/core/products.h"
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"

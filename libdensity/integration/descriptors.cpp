@@ -1,10 +1,10 @@
-#include "libdensity/estimate/descriptors.h"
+#include "libdensity/integration/descriptors.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "libdensity/estimate/integrate.h"
-#include "libdensity/estimate/row_shares.h"
+#include "libdensity/integration/integrate.h"
+#include "libdensity/integration/row_shares.h"
 #include "libdensity/tiles/rounding.h"
 #include "libdensity/voxels/leaf_angle.h"
 

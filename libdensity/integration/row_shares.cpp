@@ -1,4 +1,4 @@
-#include "libdensity/estimate/row_shares.h"
+#include "libdensity/integration/row_shares.h"
 
 #include <algorithm>
 #include <limits>

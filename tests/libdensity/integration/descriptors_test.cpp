@@ -1,4 +1,4 @@
-#include "libdensity/estimate/descriptors.h"
+#include "libdensity/integration/descriptors.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "libdensity/estimate/integrate.h"
+#include "libdensity/integration/integrate.h"
 #include "tests/libdensity/random_row.h"
 
 namespace rayfield::density {

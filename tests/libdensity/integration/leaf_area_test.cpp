@@ -1,4 +1,4 @@
-#include "libdensity/estimate/leaf_area.h"
+#include "libdensity/integration/leaf_area.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <numeric>
 #include <random>
 
-#include "libdensity/estimate/integrate.h"
-#include "libdensity/estimate/plan_raster.h"
-#include "libdensity/estimate/raster_frame.h"
+#include "libdensity/integration/integrate.h"
+#include "libdensity/integration/plan_raster.h"
+#include "libdensity/integration/raster_frame.h"
 #include "tests/libdensity/plan_values.h"
 #include "tests/libdensity/voxel_worlds.h"
 

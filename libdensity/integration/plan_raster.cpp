@@ -1,4 +1,4 @@
-#include "libdensity/estimate/plan_raster.h"
+#include "libdensity/integration/plan_raster.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "libdensity/estimate/integrate.h"
+#include "libdensity/integration/integrate.h"
 #include "libdensity/tiles/rounding.h"
 
 namespace rayfield::density {
