@@ -138,8 +138,8 @@ TEST(EchoModel, WhatIsKnownIsTaken) {
   EXPECT_EQ(model->leaf_size_m2, 0.0064);
 }
 
-// What is lost must not go with the unit in which a lidar tells intensities: where full echoes are 37 to 90 of them, the
-// band above the weakest echo holds four to nine whole numbers.
+// What is lost must not go with the unit in which a lidar tells intensities: where full echoes are 37 to 90 of them,
+// the band above the weakest echo holds four to nine whole numbers.
 TEST(EchoModel, TheLostShareDoesNotGoWithTheUnitOfIntensities) {
   const auto lost = [](double full) {
     EchoStatistics statistics;
