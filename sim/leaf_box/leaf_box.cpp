@@ -9,6 +9,7 @@
 #include "sim/scan/wide_beam.h"
 #include "sim/terrain/triangle_mesh.h"
 #include "sim/vines/leaf_angles.h"
+#include "sim/vines/leaf_shapes.h"
 #include "sim/world/ray_scene.h"
 
 namespace rayfield::sim {
@@ -24,7 +25,8 @@ TriangleMesh random_leaves(const LeafBoxOptions& options, std::size_t count) {
     const Eigen::Vector3d normal = normals.draw(random);
     const Eigen::Vector3d long_axis =
         Eigen::AngleAxisd(random.uniform(0, 2 * std::numbers::pi), normal) * normal.unitOrthogonal();
-    add_leaf(mesh, middle.cwiseProduct(options.size_m), long_axis, normal.cross(long_axis), options.leaf_size_m2);
+    add_leaf(mesh, LeafShape::rhombus, middle.cwiseProduct(options.size_m), long_axis, normal.cross(long_axis),
+             options.leaf_size_m2);
   }
   return mesh;
 }
@@ -82,7 +84,7 @@ RayBatch LeafBox::scan(std::span<const Pulse> pulses, const SiteLidar& lidar, st
       beam.aim({pulse.origin, pulse.direction, across, pulse.direction.cross(across)},
                random.uniform(0, 2 * std::numbers::pi), bundle);
       impl_->scene.cast(bundle.rays, lidar.max_range_m, 0, bundle.hits);
-      echo = beam.receive(bundle.hits, random.uniform(-0.5, 0.5), [](const Echo&) { return false; });
+      echo = beam.receive(bundle.hits, 1, random.uniform(-0.5, 0.5), [](const Echo&) { return false; });
     } else if (const auto hit = impl_->scene.cast(pulse.origin, pulse.direction, lidar.max_range_m)) {
       const SubEcho met = sub_echo(reflectance, lidar.detection, *hit, 1);
       echo = Echo{met.range_m, met.energy, met.strength};

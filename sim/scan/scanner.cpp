@@ -13,11 +13,18 @@ namespace rayfield::sim {
 namespace {
 
 constexpr std::size_t kBeamsPerChunk = 20000;
+constexpr double kWeakestGain = 0.01;
 
 // Received strength on a scale to 255, falling with range.
 float received_intensity(const Echo& echo, double max_range, CounterRandom& random) {
   const double strength = echo.strength * (1 - 0.6 * echo.range_m / max_range) + 4 * random.normal();
   return static_cast<float>(std::clamp(std::round(strength), 1.0, 255.0));
+}
+
+// A number per beam of its own stream, so that no other number changes with the scatter.
+double gain_of(const SiteLidar& lidar, std::uint64_t seed, std::uint64_t beam) {
+  if (lidar.echo_scatter == 0) return 1;
+  return std::max(kWeakestGain, 1 + lidar.echo_scatter * CounterRandom(seed, Stream::speckle, beam).normal());
 }
 
 bool any(const SiteDisturbance& d) { return d.dust_share > 0 || d.rain_per_m > 0 || d.spurious_share > 0; }
@@ -65,7 +72,8 @@ std::optional<Echo> Scanner::look_along_line(const Shot& shot, double t, std::ui
   const Site& site = world_.site();
   const std::optional<SceneHit> hit = world_.cast(shot.origin, shot.direction, site.lidar.max_range_m, t);
   if (!hit) return std::nullopt;
-  const SubEcho met = sub_echo(site.reflectance, site.lidar.detection, *hit, 1);
+  const double gain = gain_of(site.lidar, world_.date().seed, beam);
+  const SubEcho met = sub_echo(site.reflectance, site.lidar.detection, *hit, gain);
   if (site.disturbance.lost_echo_share > 0) {
     const double chance = chance_of_loss(site.disturbance, met.energy, detectable_energy(site.lidar, hit->range_m));
     if (CounterRandom(world_.date().seed, Stream::disturbance, ~beam).uniform() < chance) return std::nullopt;
@@ -84,7 +92,7 @@ std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::ui
   const auto lost = [&](const Echo& echo) {
     return loss.uniform() < chance_of_loss(site.disturbance, echo.energy, detectable_energy(site.lidar, echo.range_m));
   };
-  return wide_beam_->receive(bundle.hits, random.uniform() - 0.5, lost);
+  return wide_beam_->receive(bundle.hits, gain_of(site.lidar, world_.date().seed, beam), random.uniform() - 0.5, lost);
 }
 
 std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const {

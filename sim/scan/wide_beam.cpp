@@ -65,11 +65,11 @@ void WideBeam::aim(const Shot& shot, double turn_rad, Bundle& bundle) const {
   }
 }
 
-std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, double dither,
+std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, double gain, double dither,
                                       const std::function<bool(const Echo&)>& lost) const {
   std::array<SubEcho, kMaxSubRays> met;
   std::size_t count = 0;
-  const double share = 1 / static_cast<double>(disc_.size());
+  const double share = gain / static_cast<double>(disc_.size());
   for (const SceneHit& hit : hits)
     if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, lidar_.detection, hit, share);
   return beam_return(lidar_, {met.data(), count}, share * dither, lost);

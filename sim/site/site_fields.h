@@ -15,6 +15,8 @@ using Choices = std::array<std::pair<std::string_view, E>, N>;
 
 inline constexpr Choices<CanopyKind, 3> kCanopyKinds{
     {{"vsp", CanopyKind::vsp}, {"sprawl", CanopyKind::sprawl}, {"crown", CanopyKind::crown}}};
+inline constexpr Choices<LeafShape, 3> kLeafShapes{
+    {{"rhombus", LeafShape::rhombus}, {"triangle", LeafShape::triangle}, {"lobed", LeafShape::lobed}}};
 inline constexpr Choices<LeafAngles, 7> kLeafAngles{{{"spherical", LeafAngles::spherical},
                                                      {"planophile", LeafAngles::planophile},
                                                      {"erectophile", LeafAngles::erectophile},
@@ -82,6 +84,7 @@ void visit_scene(V& v, Site& s) {
   v.number("leaf_area_m2_per_m", s.canopy.leaf_area_m2_per_m, 0, 100);
   v.number("leaf_size_min_cm2", s.canopy.leaf_size_min_cm2, 1, 2000);
   v.number("leaf_size_max_cm2", s.canopy.leaf_size_max_cm2, 1, 2000);
+  v.choice("leaf_shape", s.canopy.leaf_shape, kLeafShapes);
   v.choice("leaf_angles", s.canopy.leaf_angles, kLeafAngles);
   v.number("ellipsoid_ratio", s.canopy.ellipsoid_ratio, 0.1, 10);
   v.number("vigour_variation", s.canopy.vigour_variation, 0, 1);
@@ -119,6 +122,7 @@ void visit_sensors(V& v, Site& s) {
   v.number("divergence_z_mrad", s.lidar.divergence_z_mrad, 0, 50);
   v.choice("energy_profile", s.lidar.energy_profile, kEnergyProfiles);
   v.number("detection_share", s.lidar.detection_share, 0.001, 1);
+  v.number("echo_scatter", s.lidar.echo_scatter, 0, 0.5);
   v.number("detection_range_exponent", s.lidar.detection_range_exponent, -4, 4);
   v.number("range_resolution_m", s.lidar.range_resolution_m, 0, 2);
   v.choice("detection", s.lidar.detection, kDetections);

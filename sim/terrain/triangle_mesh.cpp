@@ -44,12 +44,4 @@ void add_limb(TriangleMesh& mesh, const Limb& limb) {
     mesh.add_triangle(first + 1, first + 2 * i + 1, first + 2 * (i + 1) + 1);
 }
 
-void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& center, const Eigen::Vector3d& long_axis,
-              const Eigen::Vector3d& short_axis, double leaf_size_m2) {
-  constexpr double kElongation = 1.05;
-  const double half = 0.5 * std::sqrt(2 * leaf_size_m2);
-  const Eigen::Vector3d a = kElongation * half * long_axis, b = half / kElongation * short_axis;
-  mesh.add_quad(center - a, center + b, center + a, center - b);
-}
-
 }  // namespace rayfield::sim

@@ -33,9 +33,4 @@ struct Limb {
 };
 void add_limb(TriangleMesh& mesh, const Limb& limb);
 
-/// A rhombus with the given one-sided area about `center`, its long diagonal (1.05 of the square root of twice the
-/// area) along `long_axis`; both axes are unit and orthogonal.
-void add_leaf(TriangleMesh& mesh, const Eigen::Vector3d& center, const Eigen::Vector3d& long_axis,
-              const Eigen::Vector3d& short_axis, double leaf_size_m2);
-
 }  // namespace rayfield::sim

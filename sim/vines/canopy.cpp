@@ -7,6 +7,7 @@
 
 #include "rayfield/sim/random.h"
 #include "sim/terrain/smooth_noise.h"
+#include "sim/vines/leaf_shapes.h"
 
 namespace rayfield::sim {
 namespace {
@@ -132,7 +133,7 @@ std::uint64_t add_vine_leaves(const Ground& ground, const Vine& vine, std::uint6
     const Eigen::Vector3d helper = std::abs(normal.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
     const Eigen::Vector3d a = helper.cross(normal).normalized(), b = normal.cross(a);
     const Eigen::Vector3d long_axis = std::cos(turn) * a + std::sin(turn) * b;
-    add_leaf(mesh, center, long_axis, normal.cross(long_axis), sizes[i]);
+    add_leaf(mesh, canopy.leaf_shape, center, long_axis, normal.cross(long_axis), sizes[i]);
     ++present;
   }
   return present;

@@ -7,6 +7,7 @@
 
 #include "rayfield/sim/random.h"
 #include "sim/vines/leaf_angles.h"
+#include "sim/vines/leaf_shapes.h"
 
 namespace rayfield::sim {
 namespace {
@@ -51,7 +52,7 @@ void add_tree(const Ground& ground, std::uint64_t index, const LeafNormals& norm
     const Eigen::Vector3d normal = normals.draw(random);
     const Eigen::Vector3d helper = std::abs(normal.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
     const Eigen::Vector3d axis = helper.cross(normal).normalized();
-    add_leaf(meshes.leaves, center, axis, normal.cross(axis), random.uniform(0.02, 0.06));
+    add_leaf(meshes.leaves, LeafShape::rhombus, center, axis, normal.cross(axis), random.uniform(0.02, 0.06));
   }
 }
 

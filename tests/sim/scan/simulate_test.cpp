@@ -110,6 +110,30 @@ TEST(Simulate, RangesAreAsNoisyAsStatedAndDropOutsAsFrequent) {
   EXPECT_NEAR(dropped / (hits + dropped), 0.01, 5 * std::sqrt(0.0099 / (hits + dropped)));
 }
 
+// Rays of the same drive with and without: the ratio of their intensities scatters as stated, and not with the beam
+// before.
+TEST(Simulate, EchoesScatterFromBeamToBeamAsStated) {
+  constexpr double kScatter = 0.2;
+  Site site = small_site();
+  site.lidar.echo_scatter = 0;
+  const RecordedDrive even(site);
+  site.lidar.echo_scatter = kScatter;
+  const RecordedDrive uneven(site);
+  double n = 0, sum = 0, squares = 0, products = 0, last = 0;
+  for (std::size_t k = 0; k < even.scans.size(); ++k)
+    for (std::size_t i = 0; i < even.scans[k].range_m.size(); ++i) {
+      const double a = static_cast<double>(even.scans[k].intensity[i]),
+                   b = static_cast<double>(uneven.scans[k].intensity[i]);
+      if (!(a > 60 && a < 120) || !(b > 0)) continue;  // far from the ends of the scale; other noise is a tenth
+      const double gain = b / a - 1;
+      ++n, sum += gain, squares += gain * gain, products += gain * last, last = gain;
+    }
+  ASSERT_GT(n, 10000);
+  EXPECT_NEAR(sum / n, 0, 5 * kScatter / std::sqrt(n));
+  EXPECT_NEAR(std::sqrt(squares / n), kScatter, 0.02 * kScatter);
+  EXPECT_NEAR(products / n, 0, 5 * kScatter * kScatter / std::sqrt(n));
+}
+
 TEST(Simulate, NoExactReturnLiesUnderTheTrueGround) {
   const Site site = without_errors(small_site());
   const RecordedDrive record(site);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rayfield/sim/random.h"
+#include "sim/vines/leaf_shapes.h"
 #include "sim/world/ray_scene.h"
 #include "tests/sim/sim_test_sites.h"
 
@@ -67,7 +68,7 @@ std::optional<Echo> look(const WideBeam& beam, const RayScene& scene, double y, 
   WideBeam::Bundle bundle;
   beam.aim(shot, 2 * kPi * random.uniform(), bundle);
   scene.cast(bundle.rays, 100, 0, bundle.hits);
-  return beam.receive(bundle.hits, random.uniform() - 0.5, [](const Echo&) { return false; });
+  return beam.receive(bundle.hits, 1, random.uniform() - 0.5, [](const Echo&) { return false; });
 }
 
 double return_rate(const WideBeam& beam, const RayScene& scene, double y, int shots) {
@@ -209,13 +210,30 @@ TEST(WideBeam, SurfacesMetAslantMayFallBelowTheThresholdWhereEnergyDecides) {
   SiteLidar lidar = lms511(0.5);
   const std::vector<SceneHit> aslant(37, {5, Material::leaf, 0.01}), straight(37, {5, Material::leaf, 1});
   const auto returns = [&](const std::vector<SceneHit>& hits) {
-    return WideBeam(lidar, reflectance).receive(hits, 0, [](const Echo&) { return false; }).has_value();
+    return WideBeam(lidar, reflectance).receive(hits, 1, 0, [](const Echo&) { return false; }).has_value();
   };
   EXPECT_TRUE(returns(straight));
   EXPECT_TRUE(returns(aslant));
   lidar.detection = kEnergy;
   EXPECT_TRUE(returns(straight));
   EXPECT_FALSE(returns(aslant));
+}
+
+// What comes back scatters before it is held against the threshold, so that a weak beam may be heard and a strong one
+// not.
+TEST(WideBeam, ScatterOfWhatComesBackDecidesOnTheEchoToo) {
+  const SiteReflectance reflectance{.leaf = 0.5};
+  const WideBeam beam(lms511(0.5), reflectance);
+  const auto echo_of = [&](std::size_t taken, double gain) {
+    const std::vector<SceneHit> hits(taken, {5, Material::leaf, 1});
+    return beam.receive(hits, gain, 0, [](const Echo&) { return false; });
+  };
+  EXPECT_TRUE(echo_of(20, 1).has_value());
+  EXPECT_FALSE(echo_of(20, 0.8).has_value());
+  EXPECT_FALSE(echo_of(17, 1).has_value());
+  EXPECT_TRUE(echo_of(17, 1.2).has_value());
+  EXPECT_NEAR(echo_of(37, 1.3)->strength, 1.3 * 255 * 0.5, 1e-9);
+  EXPECT_NEAR(echo_of(37, 1.3)->range_m, 5, 1e-9);
 }
 
 // Steiner: a disc that a straight edge may leave by k(t)·ρ enlarges a convex shadow of area A and perimeter P to
@@ -225,7 +243,8 @@ TEST(WideBeam, SurfacesMetAslantMayFallBelowTheThresholdWhereEnergyDecides) {
 TEST(WideBeam, SmallDiscsEnlargeALeafAsSteinerSays) {
   constexpr double kLeaf_m2 = 0.01, kReach = 0.12;
   TriangleMesh mesh;
-  add_leaf(mesh, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), kLeaf_m2);
+  add_leaf(mesh, LeafShape::rhombus, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+           kLeaf_m2);
   RayScene scene = take(RayScene::create());
   ASSERT_TRUE(scene.add(mesh, Material::leaf));
   ASSERT_TRUE(scene.commit());
@@ -249,7 +268,8 @@ TEST(WideBeam, SmallDiscsEnlargeALeafAsSteinerSays) {
       WideBeam::Bundle bundle;
       beam.aim(shot, 2 * kPi * random.uniform(), bundle);
       scene.cast(bundle.rays, 2, 0, bundle.hits);
-      const auto return_of_disc = beam.receive(bundle.hits, random.uniform() - 0.5, [](const Echo&) { return false; });
+      const auto return_of_disc =
+          beam.receive(bundle.hits, 1, random.uniform() - 0.5, [](const Echo&) { return false; });
       const bool disc = return_of_disc.has_value();
       const bool line = scene.cast(shot.origin, shot.direction, 2).has_value();
       discs += disc ? 1 : 0, lines += line ? 1 : 0, differ += disc != line ? 1 : 0;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/vines/leaf_shapes.h"
 #include "tests/sim/sim_test_sites.h"
 
 namespace rayfield::sim {
@@ -13,7 +14,8 @@ TriangleMesh pairs_of_leaves(const BlockGeometry& block, int pairs) {
   for (int i = 0; i < pairs; ++i)
     for (const double beside : {0.31, 0.32}) {
       const Eigen::Vector2d p = block.row_point(0, i + beside);
-      add_leaf(mesh, {p.x(), p.y(), 1.5}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), 0.005);
+      add_leaf(mesh, LeafShape::rhombus, {p.x(), p.y(), 1.5}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+               0.005);
     }
   return mesh;
 }

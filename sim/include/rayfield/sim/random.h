@@ -33,6 +33,7 @@ enum class Stream : std::uint64_t {
   experiment = 21,
   wind = 22,
   disturbance = 23,
+  speckle = 24,
 };
 
 /// Finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection of 64-bit words in which every input bit changes

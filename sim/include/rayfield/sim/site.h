@@ -60,6 +60,13 @@ enum class CanopyKind {
 /// Distribution of the angle between leaf normal and vertical (de Wit 1965; `ellipsoidal` Campbell 1986).
 enum class LeafAngles { spherical, planophile, erectophile, plagiophile, extremophile, uniform, ellipsoidal };
 
+/// Outline of a leaf; leaves are flat.
+enum class LeafShape {
+  rhombus,   ///< nearly square
+  triangle,  ///< equilateral
+  lobed,     ///< a star of five lobes, as of vine leaves
+};
+
 struct SiteCanopy {
   CanopyKind kind = CanopyKind::vsp;
   double bottom_m = 0.9;            ///< above ground
@@ -68,6 +75,7 @@ struct SiteCanopy {
   double leaf_area_m2_per_m = 2.5;  ///< one-sided, all leaves present, mean over the planted vines
   double leaf_size_min_cm2 = 35;    ///< one-sided area of the smallest leaf
   double leaf_size_max_cm2 = 100;   ///< and of the largest; sizes are uniform in between
+  LeafShape leaf_shape = LeafShape::rhombus;
   LeafAngles leaf_angles = LeafAngles::spherical;
   double ellipsoid_ratio = 1;      ///< χ of `ellipsoidal`: horizontal over vertical semi-axis, 0.1–10
   double vigour_variation = 0.35;  ///< standard deviation of vigour along the row, relative
@@ -118,6 +126,7 @@ struct SiteLidar {
   EnergyProfile energy_profile = EnergyProfile::uniform;
   double detection_share = 0.25;  ///< of the beam's energy that has to fall on leaves to make an echo
   Detection detection = Detection::covered_share;
+  double echo_scatter = 0;              ///< relative standard deviation of what comes back, from beam to beam (speckle)
   double detection_range_exponent = 0;  ///< that share grows with (range / 5 m) to this power
   double range_resolution_m = 0.15;     ///< surfaces closer behind each other make one echo
   ReturnMode returns = ReturnMode::first;
