@@ -84,7 +84,8 @@ RayBatch LeafBox::scan(std::span<const Pulse> pulses, const SiteLidar& lidar, st
       beam.aim({pulse.origin, pulse.direction, across, pulse.direction.cross(across)},
                random.uniform(0, 2 * std::numbers::pi), bundle);
       impl_->scene.cast(bundle.rays, lidar.max_range_m, 0, bundle.hits);
-      echo = beam.receive(bundle.hits, 1, random.uniform(-0.5, 0.5), [](const Echo&) { return false; });
+      echo = beam.receive(
+          bundle.hits, [] { return 1.0; }, random.uniform(-0.5, 0.5), [](const Echo&) { return false; });
     } else if (const auto hit = impl_->scene.cast(pulse.origin, pulse.direction, lidar.max_range_m)) {
       const SubEcho met = sub_echo(reflectance, lidar.detection, *hit, 1);
       echo = Echo{met.range_m, met.energy, met.strength};

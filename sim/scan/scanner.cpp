@@ -21,10 +21,8 @@ float received_intensity(const Echo& echo, double max_range, CounterRandom& rand
   return static_cast<float>(std::clamp(std::round(strength), 1.0, 255.0));
 }
 
-// A number per beam of its own stream, so that no other number changes with the scatter.
-double gain_of(const SiteLidar& lidar, std::uint64_t seed, std::uint64_t beam) {
-  if (lidar.echo_scatter == 0) return 1;
-  return std::max(kWeakestGain, 1 + lidar.echo_scatter * CounterRandom(seed, Stream::speckle, beam).normal());
+double gain_of(const SiteLidar& lidar, CounterRandom& random) {
+  return lidar.echo_scatter == 0 ? 1 : std::max(kWeakestGain, 1 + lidar.echo_scatter * random.normal());
 }
 
 bool any(const SiteDisturbance& d) { return d.dust_share > 0 || d.rain_per_m > 0 || d.spurious_share > 0; }
@@ -72,8 +70,8 @@ std::optional<Echo> Scanner::look_along_line(const Shot& shot, double t, std::ui
   const Site& site = world_.site();
   const std::optional<SceneHit> hit = world_.cast(shot.origin, shot.direction, site.lidar.max_range_m, t);
   if (!hit) return std::nullopt;
-  const double gain = gain_of(site.lidar, world_.date().seed, beam);
-  const SubEcho met = sub_echo(site.reflectance, site.lidar.detection, *hit, gain);
+  CounterRandom speckle(world_.date().seed, Stream::speckle, beam);
+  const SubEcho met = sub_echo(site.reflectance, site.lidar.detection, *hit, gain_of(site.lidar, speckle));
   if (site.disturbance.lost_echo_share > 0) {
     const double chance = chance_of_loss(site.disturbance, met.energy, detectable_energy(site.lidar, hit->range_m));
     if (CounterRandom(world_.date().seed, Stream::disturbance, ~beam).uniform() < chance) return std::nullopt;
@@ -92,7 +90,9 @@ std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::ui
   const auto lost = [&](const Echo& echo) {
     return loss.uniform() < chance_of_loss(site.disturbance, echo.energy, detectable_energy(site.lidar, echo.range_m));
   };
-  return wide_beam_->receive(bundle.hits, gain_of(site.lidar, world_.date().seed, beam), random.uniform() - 0.5, lost);
+  CounterRandom speckle(world_.date().seed, Stream::speckle, beam);
+  const auto gain = [&] { return gain_of(site.lidar, speckle); };
+  return wide_beam_->receive(bundle.hits, gain, random.uniform() - 0.5, lost);
 }
 
 std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const {

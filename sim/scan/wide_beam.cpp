@@ -1,6 +1,7 @@
 #include "sim/scan/wide_beam.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -32,6 +33,18 @@ double reflected_share(const SiteReflectance& of, Material material) {
 
 // Lambert's law, softened.
 double angle_response(const SiteReflectance& of, double cosine) { return 1 - of.angle_dependence * (1 - cosine); }
+
+constexpr double kSurfaceGapM = 0.02;
+
+// Light that a surface sends back scatters as a whole, and surfaces behind each other each by itself.
+void scatter(std::span<SubEcho> echoes, const std::function<double()>& gain) {
+  std::sort(echoes.begin(), echoes.end(), [](const SubEcho& a, const SubEcho& b) { return a.range_m < b.range_m; });
+  double of_surface = 1;
+  for (std::size_t i = 0; i < echoes.size(); ++i) {
+    if (i == 0 || echoes[i].range_m > echoes[i - 1].range_m + kSurfaceGapM) of_surface = gain();
+    echoes[i].energy *= of_surface, echoes[i].strength *= of_surface;
+  }
+}
 
 }  // namespace
 
@@ -65,14 +78,16 @@ void WideBeam::aim(const Shot& shot, double turn_rad, Bundle& bundle) const {
   }
 }
 
-std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, double gain, double dither,
-                                      const std::function<bool(const Echo&)>& lost) const {
+std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, const std::function<double()>& gain,
+                                      double dither, const std::function<bool(const Echo&)>& lost) const {
   std::array<SubEcho, kMaxSubRays> met;
   std::size_t count = 0;
-  const double share = gain / static_cast<double>(disc_.size());
+  const double share = 1 / static_cast<double>(disc_.size());
   for (const SceneHit& hit : hits)
     if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, lidar_.detection, hit, share);
-  return beam_return(lidar_, {met.data(), count}, share * dither, lost);
+  const std::span<SubEcho> echoes(met.data(), count);
+  if (lidar_.echo_scatter > 0) scatter(echoes, gain);
+  return beam_return(lidar_, echoes, share * dither, lost);
 }
 
 }  // namespace rayfield::sim

@@ -37,9 +37,9 @@ class WideBeam {
   };
   /// The sub-rays of a shot: they start on the disc of the exit, turned by `turn_rad`, and diverge from there.
   void aim(const Shot& shot, double turn_rad, Bundle& bundle) const;
-  /// The return of what the sub-rays met, of which `gain` times as much comes back as their surfaces say. `dither`:
-  /// −½ … ½ of a sub-ray (beam_return()).
-  std::optional<Echo> receive(std::span<const SceneHit> hits, double gain, double dither,
+  /// The return of what the sub-rays met. `gain`: how much more than its surface says comes back, drawn for each
+  /// surface (what lies closer together along the beam than 2 cm). `dither`: −½ … ½ of a sub-ray (beam_return()).
+  std::optional<Echo> receive(std::span<const SceneHit> hits, const std::function<double()>& gain, double dither,
                               const std::function<bool(const Echo&)>& lost) const;
 
  private:

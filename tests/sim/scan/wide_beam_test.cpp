@@ -68,7 +68,8 @@ std::optional<Echo> look(const WideBeam& beam, const RayScene& scene, double y, 
   WideBeam::Bundle bundle;
   beam.aim(shot, 2 * kPi * random.uniform(), bundle);
   scene.cast(bundle.rays, 100, 0, bundle.hits);
-  return beam.receive(bundle.hits, 1, random.uniform() - 0.5, [](const Echo&) { return false; });
+  return beam.receive(
+      bundle.hits, [] { return 1.0; }, random.uniform() - 0.5, [](const Echo&) { return false; });
 }
 
 double return_rate(const WideBeam& beam, const RayScene& scene, double y, int shots) {
@@ -210,7 +211,10 @@ TEST(WideBeam, SurfacesMetAslantMayFallBelowTheThresholdWhereEnergyDecides) {
   SiteLidar lidar = lms511(0.5);
   const std::vector<SceneHit> aslant(37, {5, Material::leaf, 0.01}), straight(37, {5, Material::leaf, 1});
   const auto returns = [&](const std::vector<SceneHit>& hits) {
-    return WideBeam(lidar, reflectance).receive(hits, 1, 0, [](const Echo&) { return false; }).has_value();
+    return WideBeam(lidar, reflectance)
+        .receive(
+            hits, [] { return 1.0; }, 0, [](const Echo&) { return false; })
+        .has_value();
   };
   EXPECT_TRUE(returns(straight));
   EXPECT_TRUE(returns(aslant));
@@ -220,20 +224,30 @@ TEST(WideBeam, SurfacesMetAslantMayFallBelowTheThresholdWhereEnergyDecides) {
 }
 
 // What comes back scatters before it is held against the threshold, so that a weak beam may be heard and a strong one
-// not.
+// not, and each surface scatters by itself.
 TEST(WideBeam, ScatterOfWhatComesBackDecidesOnTheEchoToo) {
   const SiteReflectance reflectance{.leaf = 0.5};
-  const WideBeam beam(lms511(0.5), reflectance);
-  const auto echo_of = [&](std::size_t taken, double gain) {
-    const std::vector<SceneHit> hits(taken, {5, Material::leaf, 1});
-    return beam.receive(hits, gain, 0, [](const Echo&) { return false; });
+  SiteLidar lidar = lms511(0.5);
+  lidar.echo_scatter = 0.2;
+  const WideBeam beam(lidar, reflectance);
+  const auto echo_of = [&](const std::vector<SceneHit>& hits, std::vector<double> gains) {
+    auto next = gains.begin();
+    return beam.receive(
+        hits, [&] { return *next++; }, 0, [](const Echo&) { return false; });
   };
-  EXPECT_TRUE(echo_of(20, 1).has_value());
-  EXPECT_FALSE(echo_of(20, 0.8).has_value());
-  EXPECT_FALSE(echo_of(17, 1).has_value());
-  EXPECT_TRUE(echo_of(17, 1.2).has_value());
-  EXPECT_NEAR(echo_of(37, 1.3)->strength, 1.3 * 255 * 0.5, 1e-9);
-  EXPECT_NEAR(echo_of(37, 1.3)->range_m, 5, 1e-9);
+  const auto leaf = [](std::size_t sub_rays, float range_m) {
+    return std::vector<SceneHit>(sub_rays, {range_m, Material::leaf, 1});
+  };
+  EXPECT_TRUE(echo_of(leaf(20, 5), {1}).has_value());
+  EXPECT_FALSE(echo_of(leaf(20, 5), {0.8}).has_value());
+  EXPECT_FALSE(echo_of(leaf(17, 5), {1}).has_value());
+  EXPECT_TRUE(echo_of(leaf(17, 5), {1.2}).has_value());
+  EXPECT_NEAR(echo_of(leaf(37, 5), {1.3})->strength, 1.3 * 255 * 0.5, 1e-9);
+  EXPECT_NEAR(echo_of(leaf(37, 5), {1.3})->range_m, 5, 1e-9);
+  std::vector<SceneHit> two = leaf(10, 5.1F);
+  for (const SceneHit& hit : leaf(27, 5)) two.push_back(hit);
+  const std::optional<Echo> mixed = echo_of(two, {1.1, 0.7});  // the nearer one's first
+  EXPECT_NEAR(mixed->strength, (1.1 * 27 + 0.7 * 10) / 37 * 255 * 0.5, 1e-6);
 }
 
 // Steiner: a disc that a straight edge may leave by k(t)·ρ enlarges a convex shadow of area A and perimeter P to
@@ -268,8 +282,8 @@ TEST(WideBeam, SmallDiscsEnlargeALeafAsSteinerSays) {
       WideBeam::Bundle bundle;
       beam.aim(shot, 2 * kPi * random.uniform(), bundle);
       scene.cast(bundle.rays, 2, 0, bundle.hits);
-      const auto return_of_disc =
-          beam.receive(bundle.hits, 1, random.uniform() - 0.5, [](const Echo&) { return false; });
+      const auto return_of_disc = beam.receive(
+          bundle.hits, [] { return 1.0; }, random.uniform() - 0.5, [](const Echo&) { return false; });
       const bool disc = return_of_disc.has_value();
       const bool line = scene.cast(shot.origin, shot.direction, 2).has_value();
       discs += disc ? 1 : 0, lines += line ? 1 : 0, differ += disc != line ? 1 : 0;
