@@ -13,19 +13,24 @@ namespace {
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
-constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
-constexpr double kFullError = 0.02;      // relative, of the full echo from full echoes, beside what they tell of it
-constexpr double kMeanError = 0.10;      // relative, of the full echo from the mean echo
-constexpr double kWeakestShare = 0.02;   // of the echoes lie below the detection share,
-constexpr double kWeakest = 1.03;        // nearly: where they begin, in detection shares
+constexpr double kWoodInFullEcho = 1.5;   // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kNearShare = 0.3;        // of the echoes: those of the narrowest beams
+constexpr double kFullError = 0.02;       // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kMeanError = 0.10;       // relative, of the full echo from the mean echo,
+constexpr double kMeanBesideFull = 0.25;  // which is nearly left out where full echoes tell
+constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
+constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
+constexpr double kMostLacking = 0.3;
+constexpr double kWeakestShare = 0.02;           // of the echoes lie below the detection share,
+constexpr double kWeakest = 1.03;                // nearly: where they begin, in detection shares
 constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
 constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
 constexpr double kSeveralBeamsResolutionPath = 0.6;
-constexpr double kOfLeaf = 0.6;                       // full echoes: weaker ones are not taken for one of a leaf's
-constexpr double kSmearM = 0.060, kSmearPower = 1.5;  // of the apparent side of leaves
-constexpr double kSmear = 0.8, kUnmixed = 1.3, kMixedPerM = 2, kMostMixedM = 0.4;
-constexpr double kSeveralBeamsOfLeaf = 0.5;
+// Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
+// beam of kSmearM adds and what a metre of range resolution takes away.
+constexpr double kSmearM = 0.060, kUnmixed = 0.27, kSmear = 1.02, kMixedPerM = 3.03, kMostMixedM = 0.4;
+constexpr double kSeveralBeamsOfLeaf = 0.5;  // full echoes: weaker ones are not taken for one of a leaf's
+constexpr double kSeveralBeamsSmearPower = 1.5;
 constexpr double kWeakestFullEcho = 0.5;  // of leaves turned somehow, over that of leaves turned at random
 constexpr int kRounds = 4;                // full echo, detection share and size of leaves depend on each other
 
@@ -89,11 +94,11 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
     return;
   }
   const bool one_beam = sends_one_beam(statistics);
-  const LeafSizePairs pairs = statistics.pairs_from(model.full_echo * (one_beam ? kOfLeaf : kSeveralBeamsOfLeaf));
+  const LeafSizePairs pairs = statistics.pairs_from(one_beam ? 0 : model.full_echo * kSeveralBeamsOfLeaf);
   const LeafSize apparent = estimate_leaf_size(pairs);
-  const double widths = std::pow(model.mean_width_m / kSmearM, kSmearPower);
-  const double mixed = kUnmixed * std::exp(-kMixedPerM * std::min(kMostMixedM, model.range_resolution_m));
-  const double smear = one_beam ? mixed * (1 + kSmear * widths) : 1 + widths;
+  const double widths = model.mean_width_m / kSmearM, resolution_m = std::min(kMostMixedM, model.range_resolution_m);
+  const double smear = one_beam ? std::exp(kUnmixed + kSmear * widths - kMixedPerM * resolution_m)
+                                : 1 + std::pow(widths, kSeveralBeamsSmearPower);
   model.leaf_measured = apparent.measured;
   model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
@@ -121,6 +126,17 @@ double leafiness_of(const EchoStatistics& statistics) {
          static_cast<double>(std::max<std::uint64_t>(1, statistics.wood_echoes()));
 }
 
+/// What is missing of full echoes in the mean: where beams are as wide as leaves few fall wholly on one, and of those
+/// that look as if they did, part went past. The coarser the range resolution and the higher the detection share, the
+/// more of the echoes around a full one are themselves nearly full (docs/beams.md, "How it is taken out").
+double lacking_share(const EchoModel& model) {
+  if (!(model.leaf_size_m2 > 0)) return 0;
+  const double widths = model.mean_width_m / std::sqrt(model.leaf_size_m2);
+  const double apart =
+      std::exp(-model.range_resolution_m / kLackingResolutionM - model.detection_share / kLackingShare);
+  return std::min(kMostLacking, kLacking * std::pow(widths, kLackingPower) * apart);
+}
+
 /// From the mean echo, with the model's detection share and leaves, and from full echoes where there are enough,
 /// weighted by their errors.
 void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, EchoModel& model) {
@@ -130,8 +146,9 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
   model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
   if (full.count >= kEnoughFull) {
     const double error = std::hypot(kFullError, full.error);
-    const double weight = 1 / (error * error), mean_weight = 1 / (kMeanError * kMeanError);
-    model.full_echo = (weight * full.intensity + mean_weight * model.full_echo) / (weight + mean_weight);
+    const double weight = 1 / (error * error), mean_weight = 1 / (kMeanBesideFull * kMeanBesideFull);
+    const double whole = full.intensity / (1 - lacking_share(model));
+    model.full_echo = (weight * whole + mean_weight * model.full_echo) / (weight + mean_weight);
     model.full_echo_error = 1 / std::sqrt(weight + mean_weight);
     model.full_echo_per_cosine = weight / (weight + mean_weight) * full.per_cosine;
   }

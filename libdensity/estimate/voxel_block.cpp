@@ -51,8 +51,7 @@ std::shared_ptr<const BeamView> view_of(const tile::SegmentBatch& segments, cons
   for (std::size_t i = 0; i < segments.size(); ++i)
     if (track.empty() || segments.time_s[i] > track.back().time_s)
       track.push_back({segments.time_s[i], segments.entry[i]});
-  return std::make_shared<const BeamView>(
-      BeamView{*beam, kBehindResolutions * resolution_of(*beam, options), SensorTrack(std::move(track))});
+  return std::make_shared<const BeamView>(beam_view(*beam, SensorTrack(std::move(track)), options));
 }
 
 }  // namespace

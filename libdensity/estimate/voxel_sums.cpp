@@ -10,7 +10,10 @@ namespace rayfield::density {
 namespace {
 
 constexpr int kRounds = 3;
-constexpr double kMostLost = 0.5;
+// What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "Where the law comes from"):
+constexpr double kLostAcross = 2.4, kFadesM = 0.25;    // of the lost share and optical path across, by exp(−b/m)
+constexpr double kCutByEdges = 0.20, kAddedUp = 0.24;  // of the beam's width over a leaf's side; by n
+constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
 constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
 
@@ -45,6 +48,12 @@ VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double re
   return s;
 }
 
+/// A row at one of its cross sections, as its hits see it.
+struct RowThere {
+  double thickness = 0;         ///< optical path of a ray right across it, in the mean over the heights of the hits
+  double density_per_side = 0;  ///< optical path per voxel side, in the mean over the hits
+};
+
 /// Hits and paths of neighbouring cross sections of a row, added up.
 class SectionSum {
  public:
@@ -54,19 +63,18 @@ class SectionSum {
     for (std::size_t k = 0; k < section.size(); ++k)
       hits_[k] += sign * section[k].hits, path_[k] += sign * section[k].path;
   }
-  /// Optical path of a ray right across the row, in the mean over the heights of the hits.
-  double thickness() const {
+  RowThere there() const {
     constexpr double kLeastSum = 1;  // voxel sides
-    double weighted = 0, all = 0;
+    double across_row = 0, density = 0, all = 0;
     for (std::size_t up = 0; up < section_.n_up; ++up) {
       double across = 0, hits = 0;
       for (std::size_t k = up; k < section_.voxels(); k += section_.n_up) {
-        if (path_[k] > kLeastSum) across += hits_[k] / path_[k];
-        hits += hits_[k];
+        const double rate = path_[k] > kLeastSum ? hits_[k] / path_[k] : 0;
+        across += rate, density += hits_[k] * rate, hits += hits_[k];
       }
-      weighted += hits * across, all += hits;
+      across_row += hits * across, all += hits;
     }
-    return all > 0 ? weighted / all : 0;
+    return all > 0 ? RowThere{across_row / all, density / all} : RowThere{};
   }
 
  private:
@@ -74,18 +82,18 @@ class SectionSum {
   std::vector<double> hits_, path_;
 };
 
-/// Optical thickness of the row at each cross section: of all up to kThicknessReachM from it.
-std::vector<double> thickness_along(std::span<const VoxelSums> sums, const CrossSection& section) {
+/// The row at each cross section: of all up to kThicknessReachM from it.
+std::vector<RowThere> row_along(std::span<const VoxelSums> sums, const CrossSection& section) {
   const std::size_t count = section.voxels() > 0 ? sums.size() / section.voxels() : 0;
   const auto reach = static_cast<std::size_t>(kThicknessReachM / section.voxel_m);
   const auto at = [&](std::size_t along) { return sums.subspan(along * section.voxels(), section.voxels()); };
-  std::vector<double> out(count, 0);
+  std::vector<RowThere> out(count);
   SectionSum near(section);
   for (std::size_t along = 0; along < std::min(reach, count); ++along) near.add(at(along), 1);
   for (std::size_t along = 0; along < count; ++along) {
     if (along + reach < count) near.add(at(along + reach), 1);
     if (along > reach) near.add(at(along - reach - 1), -1);
-    out[along] = near.thickness();
+    out[along] = near.there();
   }
   return out;
 }
@@ -108,7 +116,7 @@ class ReturnedOfRow {
     if (model_.resolution_path > 0)
       mean_density_ = hits_per_path(sums);
     else
-      thickness_ = thickness_along(sums, section_);
+      row_ = row_along(sums, section_);
   }
 
  private:
@@ -117,17 +125,19 @@ class ReturnedOfRow {
     return table_(beams.width_m / std::sqrt(model_.leaf_size_m2), mean_density_ * beams.path_before);
   }
   double from_lost_share(std::size_t voxel, const BeamsOfVoxel& beams) const {
-    const double width = model_.mean_width_m > 0 ? beams.width_m / model_.mean_width_m : 1;
-    const double thickness = thickness_.empty() ? 0 : thickness_[voxel / section_.voxels()];
-    const double inside = std::exp(-model_.lost_share * thickness);
-    return (1 - std::min(kMostLost, model_.lost_share * width)) * inside;
+    const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
+    const double widths = model_.leaf_size_m2 > 0 ? beams.width_m / std::sqrt(model_.leaf_size_m2) : 0;
+    const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
+    const double across = model_.lost_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
+    const double missing = kLostAcross * across + widths * (kCutByEdges - kAddedUp * together);
+    return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 
   const EchoModel& model_;
   CrossSection section_;
   ReturnedShare table_;
-  double mean_density_ = 0;        // hits per voxel side
-  std::vector<double> thickness_;  // [along]
+  double mean_density_ = 0;    // hits per voxel side
+  std::vector<RowThere> row_;  // [along]
 };
 
 }  // namespace

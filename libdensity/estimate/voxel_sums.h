@@ -30,12 +30,13 @@ struct CrossSection {
 };
 
 /// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), D the mean width
-/// of the voxel's beams and D̄ that of all, ℓ the lost share, T the optical path of a ray right across the row, within
-/// 1.5 m along it:
-///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),  R = (1 − ℓ·D/D̄)·exp(−ℓ·T).
-/// T comes from the round before: three rounds. Of lidars with several beams at a time R is the ReturnedShare of D over
-/// the side of a leaf, of the optical path before the voxel (the row's mean density times the path) and of the model's
-/// resolution_path.
+/// of the voxel's beams over the side of a leaf, ℓ the lost share, b the range resolution; T the optical path of a ray
+/// right across the row and n that of a range resolution, both as the row is within 1.5 m along it:
+///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),
+///   −ln R = 2.4·ℓ·T·exp(−b/0.25 m) + D·(0.20 − 0.24·n)
+/// (docs/beams.md, "Where the law comes from"). T and n come from the round before: three rounds. Of lidars with several
+/// beams at a time R is the ReturnedShare of D, of the optical path before the voxel (the row's mean density times the
+/// path) and of the model's resolution_path.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model);
 

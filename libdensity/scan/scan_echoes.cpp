@@ -66,8 +66,7 @@ bool has_thin_beam(const tile::ScanEntry& scan) { return diameter_of(scan) <= kT
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options) {
   if (!options.enabled || diameter_of(scan) <= kThinM) return nullptr;
-  return std::make_shared<const BeamView>(
-      BeamView{*scan.beam, kBehindResolutions * resolution_of(*scan.beam, options), SensorTrack(survey.path())});
+  return std::make_shared<const BeamView>(beam_view(*scan.beam, SensorTrack(survey.path()), options));
 }
 
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,

@@ -143,7 +143,7 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels)).add(work.options.voxel_fit.sample_m);
   if (view) {
     add_beam(key, view->beam);
-    key.add(view->full_echo).add(view->behind_m);
+    key.add(view->full_echo).add(view->behind_m).add(view->followed_m);
   }
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)

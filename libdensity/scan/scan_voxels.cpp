@@ -37,7 +37,7 @@ void add_wood(KeyBuilder& key, const WoodCylinder& w) {
 
 // The track follows from the rays of all tiles.
 void add_view(KeyBuilder& key, const BeamView& view, const tile::ScanEntry& scan) {
-  key.add(view.beam.diameter_m).add(view.beam.divergence_rad).add(view.behind_m);
+  key.add(view.beam.diameter_m).add(view.beam.divergence_rad).add(view.behind_m).add(view.followed_m);
   for (const tile::TileEntry& entry : scan.tiles) key.add(entry.content_sha256());
 }
 

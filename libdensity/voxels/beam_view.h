@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include "libdensity/ground/sensor_track.h"
 #include "rayfield/core/lidar_beam.h"
 #include "rayfield/density/options.h"
@@ -17,12 +21,24 @@ inline double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
   return beam.range_resolution_m.value_or(kTypicalResolution_m);
 }
 
+/// How far from the lidar beams are followed, m (BeamOptions::widest_m); at least their exit's width.
+inline double followed_of(const LidarBeam& beam, const BeamOptions& options) {
+  if (!(beam.divergence_rad > 0)) return std::numeric_limits<double>::infinity();
+  return std::max(0.0, options.widest_m - beam.diameter_m) / beam.divergence_rad;
+}
+
 /// How the beams of a scan look at the voxels, where they are not thin.
 struct BeamView {
   LidarBeam beam;
   double behind_m = 0;   ///< behind an echo, path of that part of the beam which is not in it (EchoCounters)
   SensorTrack track;     ///< of the scan
   double full_echo = 0;  ///< intensity of an echo that holds the whole beam, for DirectionCounters
+  double followed_m = std::numeric_limits<double>::infinity();  ///< from the lidar; farther on beams are not looked at
 };
+
+/// How the beams that these options let be followed look at the voxels.
+inline BeamView beam_view(const LidarBeam& beam, SensorTrack track, const BeamOptions& options) {
+  return {beam, kBehindResolutions * resolution_of(beam, options), std::move(track), 0, followed_of(beam, options)};
+}
 
 }  // namespace rayfield::density

@@ -181,8 +181,10 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         if (view != nullptr) {
           ray.range_m = std::max(0.0, (p - view->track.position(segments.time_s[i], track_hint)).dot(d));
           ray.intensity = segments.intensity[i];
+          const double followed_m = std::max(0.0, view->followed_m - ray.range_m);
+          if (length > followed_m) ray.length = followed_m, ray.hit = false;
         }
-        counted = meet(ray, mask);
+        if (ray.length > 0) counted = meet(ray, mask);
         if (statistics != nullptr) add_echo(ray, counted);
       }
       const bool may_pair = counts_pairs_ && !left_out && !counted.on_wood;

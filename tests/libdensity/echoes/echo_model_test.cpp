@@ -63,6 +63,30 @@ TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {
   EXPECT_LT(model->full_echo_error, from_mean->full_echo_error);
 }
 
+// Beams that fall wholly on a leaf are rare where they are as wide, and many that look like it are not.
+TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
+  const auto full_of = [](double width_m, double detection_share, double range_resolution_m) {
+    EchoStatistics statistics = whole_leaves(width_m, 0.5);
+    add_close_pairs(statistics);
+    for (int i = 0; i < 4000; ++i) {
+      const auto cosine = static_cast<float>(0.6 + 0.0001 * i);
+      FullEcho full{static_cast<std::uint16_t>(kFull), 0.01F, cosine};
+      full.half_cosine.fill({cosine, cosine});
+      statistics.add_full_echoes(std::vector{full});
+    }
+    EchoKnowledge known = lidar(width_m);
+    known.beam.detection_share = detection_share, known.range_resolution_m = range_resolution_m;
+    return estimate_echo_model(statistics, known)->full_echo;
+  };
+  const double narrow = full_of(0.004, 0.25, 0.15), wide = full_of(0.044, 0.25, 0.15);
+  // 1.8·(D/s)^2.5·exp(−b/0.15 − t/0.3) with D = 45 mm (its bin's middle), s = 80 mm; the mean echo counts 1 %.
+  const double lacks = 1.8 * std::pow(0.045 / 0.08, 2.5) * std::exp(-1 - 0.25 / 0.3);
+  EXPECT_NEAR(narrow, kFull, 0.01 * kFull);
+  EXPECT_NEAR(wide, kFull / (1 - lacks), 0.015 * kFull);
+  EXPECT_LT(full_of(0.044, 0.4, 0.15), wide);
+  EXPECT_LT(full_of(0.044, 0.25, 0.3), wide);
+}
+
 // Leaves that lie flat are met at a smaller cosine by level rays, and their full echo is weaker.
 TEST(EchoModel, TheFullEchoGoesWithTheAnglesAtWhichRaysMeetLeaves) {
   EchoModel model{.full_echo = 100, .detection_share = 0.2, .full_echo_per_cosine = 60};
@@ -124,7 +148,7 @@ TEST(EchoModel, LeavesLookSmallerThroughCoarserRangeResolutions) {
     EXPECT_TRUE(model->leaf_measured);
     return model->leaf_size_m2;
   };
-  EXPECT_NEAR(area_m2(0.25) / area_m2(0.15), std::exp(4 * 0.1), 1e-6);
+  EXPECT_NEAR(area_m2(0.25) / area_m2(0.15), std::exp(2 * 3.03 * 0.1), 1e-6);
   EXPECT_EQ(area_m2(0.5), area_m2(0.4));
 }
 

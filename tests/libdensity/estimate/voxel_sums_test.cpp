@@ -10,7 +10,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kFull = 1000, kShare = 0.25, kSide = 0.08, kVoxel = 0.07;
+constexpr double kFull = 1000, kShare = 0.25, kSide = 0.08, kVoxel = 0.07, kResolution = 0.15;
 
 /// Ten rays, four hits of the same share of a full echo; of 1.5 voxel sides behind them.
 struct Voxel {
@@ -29,12 +29,11 @@ Voxel voxel_with(double share, double width_m) {
   return v;
 }
 
-/// Of a lidar with one beam at a time, 40 mm wide in the mean, that does not see `lost` of what leaves take.
+/// Of a lidar with one beam at a time that does not see `lost` of what leaves take; they are large beside the beam.
 EchoModel model_of(double lost) {
   EchoModel model;
-  model.full_echo = kFull, model.detection_share = kShare, model.leaf_size_m2 = kSide * kSide,
-  model.echo_variation = 0.2;
-  model.mean_width_m = 0.04, model.lost_share = lost;
+  model.full_echo = kFull, model.detection_share = kShare, model.leaf_size_m2 = 1e6, model.echo_variation = 0.2;
+  model.range_resolution_m = kResolution, model.mean_width_m = 0.04, model.lost_share = lost;
   return model;
 }
 
@@ -43,8 +42,11 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
   return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, 1, kVoxel}, model).at(0);
 }
 
-/// By what the path is too long where `lost` of what leaves take is in no echo: T is the voxel's own optical path.
-double through(const VoxelSums& s, double lost) { return std::exp(-lost * s.hits / s.path); }
+/// By what the path is too long where `lost` of what leaves take is in no echo, in a row of which the voxel is all
+/// there is across: docs/beams.md, "How it is taken out".
+double through(const VoxelSums& s, double lost, double resolution_m = kResolution) {
+  return std::exp(-2.4 * lost * s.hits / s.path * std::exp(-resolution_m / 0.25));
+}
 
 TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
   const VoxelCounters c = voxel_with(1, 0).counters;
@@ -73,13 +75,27 @@ TEST(VoxelSums, OfHalfAnEchoHalfTheBeamRunsOn) {
   EXPECT_NEAR(s.potential, 10, 1e-6);
 }
 
-// The share that is lost goes with the edges of leaves in the beam, and so with its width.
-TEST(VoxelSums, WhatReturnsNothingIsMissingTheMoreTheWiderTheBeam) {
+TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  for (const double resolution_m : {0.08, 0.15, 0.35}) {
+    EchoModel model = model_of(0.1);
+    model.range_resolution_m = resolution_m;
+    const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+    EXPECT_EQ(s.hits, all.hits);
+    EXPECT_NEAR(s.path / through(s, 0.1, resolution_m), all.path, 0.01);
+  }
+}
+
+// Edges cut beams the more the wider these are beside a leaf, and less where leaves of one range resolution add up.
+TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
   const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
   for (const double width_m : {0.02, 0.04, 0.06}) {
-    const VoxelSums s = sums_of(voxel_with(0.5, width_m), model_of(0.1));
+    EchoModel model = model_of(0);
+    model.leaf_size_m2 = kSide * kSide;
+    const VoxelSums s = sums_of(voxel_with(0.5, width_m), model);
+    const double together = s.hits / s.path / kVoxel * kResolution;
     EXPECT_EQ(s.hits, all.hits);
-    EXPECT_NEAR(s.path / through(s, 0.1), (1 - 0.1 * width_m / 0.04) * all.path, 2e-3);
+    EXPECT_NEAR(s.path, all.path * std::exp(-width_m / kSide * (0.20 - 0.24 * together)), 0.01);
   }
 }
 
@@ -91,9 +107,9 @@ TEST(VoxelSums, TheThickerTheRowTheMoreIsMissing) {
   constexpr double kLost = 0.1;
   const auto behind = wide_beam_sums(counters, echoes, {2, 1, kVoxel}, model_of(kLost));
   const auto above = wide_beam_sums(counters, echoes, {1, 2, kVoxel}, model_of(kLost));
-  const double outside = (1 - kLost) * (8 + 0.5 * 1.5);
-  EXPECT_NEAR(behind[0].path, outside * through(behind[0], 2 * kLost), 2e-3);
-  EXPECT_NEAR(above[0].path, outside * through(above[0], kLost), 2e-3);
+  const double outside = 8 + 0.5 * 1.5;
+  EXPECT_NEAR(behind[0].path, outside * through(behind[0], 2 * kLost), 0.01);
+  EXPECT_NEAR(above[0].path, outside * through(above[0], kLost), 0.01);
 }
 
 // Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.
@@ -115,7 +131,7 @@ TEST(VoxelSums, TheThicknessIsThatOfThePlace) {
 
 TEST(VoxelSums, OfSeveralBeamsAtATimeATableTellsWhatIsMissing) {
   EchoModel model = model_of(0.1);
-  model.resolution_path = 0.6;
+  model.resolution_path = 0.6, model.leaf_size_m2 = kSide * kSide;
   const VoxelSums narrow = sums_of(voxel_with(0.5, 0), model), wide = sums_of(voxel_with(0.5, 0.04), model);
   EXPECT_EQ(wide.hits, narrow.hits);
   EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(kShare, 0.6)(0.04 / kSide, 0), 1e-4);

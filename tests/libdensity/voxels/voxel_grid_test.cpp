@@ -378,6 +378,36 @@ TEST(VoxelGrid, WidthGrowsWithRangeAndDepthWithTheWayThroughRows) {
     }
 }
 
+// A beam that is followed up to 3 m from the lidar: what lies farther off has not been looked at, and a hit there is
+// none.
+TEST(VoxelGrid, BeamsAreFollowedAsFarAsTheViewSays) {
+  RowSegment s = make_row_segment();
+  s.slope_along = s.slope_across = 0;
+  const auto at = [&](double across_sides) { return testing::map_from_grid(s, {4.5, across_sides, 5.5}); };
+  const double side = s.voxel_m;
+  tile::SegmentBatch rays;
+  push_ray(rays, at(-1), at(6.5), true);
+  rays.intensity[0] = 500;
+  const Vector3d sensor = at(-1) - (2 - 3 * side) * (at(1) - at(0)).normalized();
+  const auto counted = [&](double followed_m) {
+    BeamView view{{0.01, 0.004, {}}, 0.12, SensorTrack({{0, sensor}})};
+    view.followed_m = followed_m;
+    return count_all({s}, rays, {}, std::make_shared<const BeamView>(view)).row_segments.at(0);
+  };
+  // The lidar stands 2 − 3 sides before the ray's beginning: at 2 m the ray is in the middle between columns 1 and 2.
+  const RowSegmentVoxels near = counted(2), all = counted(100);
+  EXPECT_EQ(all.column_voxels(4, 6)[5].hits, 1u);
+  EXPECT_GT(all.column_voxels(4, 3)[5].path, 0);
+  for (int c = 0; c < s.n_across; ++c) {
+    const VoxelCounters& voxel = near.column_voxels(4, c)[5];
+    EXPECT_EQ(voxel.hits, 0u);
+    EXPECT_NEAR(voxel.path_sides(), c < 2 ? all.column_voxels(4, c)[5].path_sides() : 0, 1e-3) << c;
+  }
+  EXPECT_EQ(followed_of({0.0136, 0.0119, {}}, {}), (0.08 - 0.0136) / 0.0119);
+  EXPECT_EQ(followed_of({0.2, 0.0119, {}}, {}), 0);
+  EXPECT_TRUE(std::isinf(followed_of({0.03, 0, {}}, {})));
+}
+
 TEST(VoxelGrid, ABeamThatAPostStopsHasNothingBehindIt) {
   RowSegment s = make_row_segment();
   s.slope_along = s.slope_across = 0;

@@ -124,6 +124,7 @@ struct BeamOptions {
   bool enabled = true;
   double range_resolution_m = 0;
   double full_echo = 0;
+  double widest_m = 0.08;
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
@@ -134,6 +135,9 @@ struct BeamOptions {
         "or as SLAM measured it, else 0.15");
     v.number("full_echo", o.full_echo, {0, 65535},
              "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
+    v.number("widest_m", o.widest_m, {0.02, 10},
+             "Beams that are not thin are followed up to where they get this wide: what is seen from far along the "
+             "row has come through too many leaves");
   }
   Result<void> validate() const;
 };
