@@ -46,16 +46,16 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// beam that falls wholly on a post or trunk): canes are thinner than the beam, and nothing here knows by how much.
 ///
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
-/// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D the
-/// mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The other,
-/// 10 % off, and taken as 25 % beside the first, is the mean echo of the narrowest third of the beams over the share of
-/// the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the wood among the echoes.
-/// Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with several beams at a time (not
-/// sends_one_beam()): the mean echo, the strength that 5 % do not reach, and a resolution_path of 0.6. Leaves:
-/// estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the range
-/// resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by exp(0.27 +
-/// 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo, and
-/// 1 + (D/60 mm)^1.5. Fitted, to simulated scans (docs/beams.md): all numbers here.
+/// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D
+/// the mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The
+/// other, 10 % off, and taken as 25 % beside the first, is the mean echo of the narrowest third of the beams over the
+/// share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the wood among the
+/// echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with several beams at a
+/// time (not sends_one_beam()): the mean echo, the strength that 5 % do not reach, and a resolution_path of 0.6.
+/// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
+/// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by
+/// exp(0.27 + 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo,
+/// and 1 + (D/60 mm)^1.5. Fitted, to simulated scans (docs/beams.md): all numbers here.
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

@@ -10,7 +10,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr int kRounds = 3;
-// What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "Where the law comes from"):
+// What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How well"):
 constexpr double kLostAcross = 2.4, kFadesM = 0.25;    // of the lost share and optical path across, by exp(−b/m)
 constexpr double kCutByEdges = 0.20, kAddedUp = 0.24;  // of the beam's width over a leaf's side; by n
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;

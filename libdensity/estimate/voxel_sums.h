@@ -34,9 +34,9 @@ struct CrossSection {
 /// right across the row and n that of a range resolution, both as the row is within 1.5 m along it:
 ///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),
 ///   −ln R = 2.4·ℓ·T·exp(−b/0.25 m) + D·(0.20 − 0.24·n)
-/// (docs/beams.md, "Where the law comes from"). T and n come from the round before: three rounds. Of lidars with several
-/// beams at a time R is the ReturnedShare of D, of the optical path before the voxel (the row's mean density times the
-/// path) and of the model's resolution_path.
+/// (docs/beams.md, "How well"). T and n come from the round before: three rounds. Of lidars with
+/// several beams at a time R is the ReturnedShare of D, of the optical path before the voxel (the row's mean density
+/// times the path) and of the model's resolution_path.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model);
 

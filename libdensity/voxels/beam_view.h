@@ -21,7 +21,7 @@ inline double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
   return beam.range_resolution_m.value_or(kTypicalResolution_m);
 }
 
-/// How far from the lidar beams are followed, m (BeamOptions::widest_m); at least their exit's width.
+/// How far from the lidar beams are followed, m (BeamOptions::widest_m); 0 where they leave it wider.
 inline double followed_of(const LidarBeam& beam, const BeamOptions& options) {
   if (!(beam.divergence_rad > 0)) return std::numeric_limits<double>::infinity();
   return std::max(0.0, options.widest_m - beam.diameter_m) / beam.divergence_rad;

@@ -126,7 +126,7 @@ struct SiteLidar {
   EnergyProfile energy_profile = EnergyProfile::uniform;
   double detection_share = 0.25;  ///< of the beam's energy that has to fall on leaves to make an echo
   Detection detection = Detection::covered_share;
-  double echo_scatter = 0;              ///< relative standard deviation of what a surface sends back to a beam (speckle)
+  double echo_scatter = 0;  ///< relative standard deviation of what a surface sends back to a beam (speckle)
   double detection_range_exponent = 0;  ///< that share grows with (range / 5 m) to this power
   double range_resolution_m = 0.15;     ///< surfaces closer behind each other make one echo
   ReturnMode returns = ReturnMode::first;
