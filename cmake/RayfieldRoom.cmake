@@ -28,6 +28,8 @@ function(rayfield_compile_settings target)
   if(RAYFIELD_SANITIZE)
     target_compile_options(${target} PUBLIC -fsanitize=${RAYFIELD_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${RAYFIELD_SANITIZE})
+    # Under AddressSanitizer Eigen would align memory itself, which Ceres, compiled without, then frees as malloc's.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
   endif()
 endfunction()
 

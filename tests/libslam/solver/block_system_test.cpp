@@ -54,6 +54,37 @@ TEST(BlockSystem, SolvesLikeCeresOnALinearProblemInBothStorages) {
   }
 }
 
+// Ceres comes compiled, and takes Eigen's functions from here where they have the same names: under AddressSanitizer,
+// too, both have to agree on how Eigen's memory is taken and given back (cmake/RayfieldRoom.cmake).
+TEST(BlockSystem, IsInOneProgramWithCeresThatFactorsWithEigen) {
+  void* (*volatile named)(std::size_t) = &Eigen::internal::aligned_malloc;  // so that Ceres takes this one
+  ASSERT_NE(named, nullptr);
+  BlockSystem system(2, BlockSystem::Storage::sparse);
+  for (int b = 0; b < 2; ++b) {
+    for (int half = 0; half < 2; ++half) {
+      LinearResidual<3> r;
+      r.error = Eigen::Vector3d::Ones();
+      r.at(b).middleCols(3 * half, 3) = Eigen::Matrix3d::Identity();
+      system.add(r, 1.0);
+    }
+  }
+  const auto x = system.solve();
+  ASSERT_TRUE(x) << x.error().line();
+  Eigen::VectorXd oracle = Eigen::VectorXd::Zero(12);
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<Functor>(
+      new Functor{[](const Eigen::VectorXd& v) -> Eigen::VectorXd { return v + Eigen::VectorXd::Ones(12); }, 12});
+  cost->AddParameterBlock(12);
+  cost->SetNumResiduals(12);
+  ceres::Problem problem;
+  problem.AddResidualBlock(cost, nullptr, oracle.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  EXPECT_LT((*x - oracle).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 TEST(BlockSystem, SolvesIterativelyWhatItSolvesDirectly) {
   // A chain of blocks, each tied to the next, and ties across it like those of revisits.
   const int blocks = 64, extra = blocks - 1;
