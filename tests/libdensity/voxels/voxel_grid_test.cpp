@@ -404,7 +404,8 @@ TEST(VoxelGrid, BeamsAreFollowedAsFarAsTheViewSays) {
     EXPECT_NEAR(voxel.path_sides(), c < 2 ? all.column_voxels(4, c)[5].path_sides() : 0, 1e-3) << c;
   }
   EXPECT_EQ(followed_of({0.0136, 0.0119, {}}, {}), (0.08 - 0.0136) / 0.0119);
-  EXPECT_EQ(followed_of({0.2, 0.0119, {}}, {}), 0);
+  EXPECT_EQ(followed_of({0.2, 0.0119, {}}, {}), 4);  // such a lidar, too, sees the rows beside its lane
+  EXPECT_EQ(followed_of({0.01, 0.05, {}}, {}), 4);
   EXPECT_TRUE(std::isinf(followed_of({0.03, 0, {}}, {})));
 }
 

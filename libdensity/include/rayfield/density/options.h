@@ -136,8 +136,8 @@ struct BeamOptions {
     v.number("full_echo", o.full_echo, {0, 65535},
              "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
     v.number("widest_m", o.widest_m, {0.02, 10},
-             "Beams that are not thin are followed up to where they get this wide: what is seen from far along the "
-             "row has come through too many leaves");
+             "Beams that are not thin are followed up to where they get this wide, and at least 4 m: what is seen "
+             "from far along the row has come through too many leaves");
   }
   Result<void> validate() const;
 };
