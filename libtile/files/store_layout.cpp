@@ -105,7 +105,9 @@ bool is_plain_name(std::string_view text) {
 bool is_inside(const std::string& path) {
   const std::filesystem::path parsed(path);
   if (path.empty() || parsed.is_absolute() || path.find('\0') != std::string::npos) return false;
-  return std::none_of(parsed.begin(), parsed.end(), [](const auto& part) { return part == ".." || part == "."; });
+  // An empty part is the last of a path that ends in a slash, which is a folder's.
+  return std::none_of(parsed.begin(), parsed.end(),
+                      [](const auto& part) { return part.empty() || part == ".." || part == "."; });
 }
 
 bool is_own_file(const std::filesystem::path& directory, std::string_view name) {

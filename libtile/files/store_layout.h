@@ -38,7 +38,7 @@ Result<std::string> scan_id(const std::string& date, const std::string& name);
 
 /// Can stand as one component of a path: letters, digits, '.', '_', '-', not starting with '.'.
 bool is_plain_name(std::string_view text);
-/// A path that stays inside the store: relative, without "..".
+/// A path of a file that stays inside the store: relative, without ".." and not ending in a slash.
 bool is_inside(const std::string& path);
 
 /// Names that this program gives to files, and nobody else by chance. What bears another name is not the store's.
