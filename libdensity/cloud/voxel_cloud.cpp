@@ -82,7 +82,7 @@ Result<void> VoxelCloud::Impl::estimate(Progress& progress) {
   RAYFIELD_ASSIGN(const RowSegmentList list, read_row_segments(store, scan));
   RAYFIELD_ASSIGN(std::optional<EchoModel> echoes, read_echoes(store, scan));
   RAYFIELD_ASSIGN(const LeafAngleFit leaf_angles, read_leaf_angles(store, scan));
-  if (echoes) echoes = with_mean_cosine(*echoes, leaf_angles.mean_cosine);
+  if (echoes) echoes = with_aspect(*echoes, leaf_angles.aspect);
   RAYFIELD_ASSIGN(RowVoxels counters, open_voxels(store, scan, ProcessMemory(process).tiles_bytes));
   std::set<int> numbers;
   for (const RowSegment& s : list.row_segments)

@@ -90,16 +90,18 @@ double variation_of(const std::vector<std::uint32_t>& histogram) {
 
 void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel& model) {
   if (known.leaf_size_m2 >= 0) {
-    model.leaf_size_m2 = known.leaf_size_m2, model.leaf_measured = true;
+    model.leaf_size_m2 = known.leaf_size_m2, model.leaf_size_from = LeafSizeFrom::options;
     return;
   }
   const bool one_beam = sends_one_beam(statistics);
   const LeafSizePairs pairs = statistics.pairs_from(one_beam ? 0 : model.full_echo * kSeveralBeamsOfLeaf);
-  const LeafSize apparent = estimate_leaf_size(pairs);
+  // Of one lidar's beam ranges that scatter are means of several leaves, which b tells: the usual windows.
+  const LeafSize apparent = one_beam ? estimate_leaf_size(counts_of(pairs, kUsualWindows.window_m), kUsualWindows)
+                                     : estimate_leaf_size(pairs);
   const double widths = model.mean_width_m / kSmearM, resolution_m = std::min(kMostMixedM, model.range_resolution_m);
   const double smear = one_beam ? std::exp(kUnmixed + kSmear * widths - kMixedPerM * resolution_m)
                                 : 1 + std::pow(widths, kSeveralBeamsSmearPower);
-  model.leaf_measured = apparent.measured;
+  model.leaf_size_from = apparent.measured ? LeafSizeFrom::pairs : LeafSizeFrom::nothing;
   model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
 
@@ -129,7 +131,7 @@ double leafiness_of(const EchoStatistics& statistics) {
 /// What is missing of full echoes in the mean: where beams are as wide as leaves few fall wholly on one, and of those
 /// that look as if they did, part went past. The coarser the range resolution and the higher the detection share, the
 /// more of the echoes around a full one are themselves nearly full (docs/beams.md, "How it is taken out").
-double lacking_share(const EchoModel& model) {
+double lacking_of(const EchoModel& model) {
   if (!(model.leaf_size_m2 > 0)) return 0;
   const double widths = model.mean_width_m / std::sqrt(model.leaf_size_m2);
   const double apart =
@@ -147,7 +149,8 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
   if (full.count >= kEnoughFull) {
     const double error = std::hypot(kFullError, full.error);
     const double weight = 1 / (error * error), mean_weight = 1 / (kMeanBesideFull * kMeanBesideFull);
-    const double whole = full.intensity / (1 - lacking_share(model));
+    model.lacking_share = lacking_of(model);
+    const double whole = full.intensity / (1 - model.lacking_share);
     model.full_echo = (weight * whole + mean_weight * model.full_echo) / (weight + mean_weight);
     model.full_echo_error = 1 / std::sqrt(weight + mean_weight);
     model.full_echo_per_cosine = weight / (weight + mean_weight) * full.per_cosine;
@@ -157,9 +160,14 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
 
 }  // namespace
 
-EchoModel with_mean_cosine(EchoModel model, double mean_cosine) {
+EchoModel with_aspect(EchoModel model, const LeafAspect& aspect) {
   const double before = model.full_echo;
-  model.full_echo += model.full_echo_per_cosine * (mean_cosine - kSphericalMeanCosine);
+  if (model.leaf_size_from == LeafSizeFrom::pairs) model.leaf_size_m2 /= aspect.apparent_side * aspect.apparent_side;
+  if (model.lacking_share > 0) {
+    const double lacking = lacking_of(model);
+    model.full_echo *= (1 - model.lacking_share) / (1 - lacking), model.lacking_share = lacking;
+  }
+  model.full_echo += model.full_echo_per_cosine * (aspect.mean_cosine - kSphericalMeanCosine);
   model.full_echo = std::max(kWeakestFullEcho * before, model.full_echo);
   if (!model.beam.detection_share)
     model.detection_share = std::min(1.0, model.detection_share * before / model.full_echo);

@@ -4,9 +4,14 @@
 #include <optional>
 
 #include "libdensity/echoes/echo_statistics.h"
+#include "libdensity/echoes/leaf_angle.h"
 #include "rayfield/core/lidar_beam.h"
 
 namespace rayfield::density {
+
+/// Where the size of the leaves is from: too few pairs of neighbouring beams, so that it is the default; pairs;
+/// options.
+enum class LeafSizeFrom { nothing, pairs, options };
 
 /// What the echoes of a scan mean where its beam is not thin (docs/beams.md, "How it is taken out").
 struct EchoModel {
@@ -16,9 +21,9 @@ struct EchoModel {
   double full_echo_error = 0;  ///< relative standard error
   double detection_share = 0;  ///< weakest echo, in full ones
   double leaf_size_m2 = 0;     ///< of one leaf
-  bool leaf_measured = false;  ///< false: too few pairs of neighbouring beams, the default
-  double echo_variation = 0;   ///< variance of the echoes' intensities over the square of their mean
-  double mean_width_m = 0;     ///< of the beams where they met leaves
+  LeafSizeFrom leaf_size_from = LeafSizeFrom::nothing;
+  double echo_variation = 0;  ///< variance of the echoes' intensities over the square of their mean
+  double mean_width_m = 0;    ///< of the beams where they met leaves
   /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
   double lost_share = 0;
   /// Of lidars with several beams at a time: optical path of a range resolution around echoes, with which a table says
@@ -26,10 +31,12 @@ struct EchoModel {
   double resolution_path = 0;
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
+  double lacking_share = 0;  ///< of full echoes, which the full echo has been made up for
 };
 
-/// The model of leaves that are not turned at random: its full echo is that of rays that meet them at `mean_cosine`.
-EchoModel with_mean_cosine(EchoModel model, double mean_cosine);
+/// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are
+/// as much larger as they look too small, where they were measured, and full echoes lack so much less.
+EchoModel with_aspect(EchoModel model, const LeafAspect& aspect);
 
 /// What is known beforehand.
 struct EchoKnowledge {

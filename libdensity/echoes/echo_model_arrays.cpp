@@ -10,9 +10,20 @@ namespace {
 constexpr const char* kColumn = "model";
 
 std::vector<double> fields_of(const EchoModel& m) {
-  return {m.full_echo,       m.full_echo_error, m.detection_share,     m.leaf_size_m2,    m.leaf_measured ? 1.0 : 0.0,
-          m.echo_variation,  m.mean_width_m,    m.range_resolution_m,  m.beam.diameter_m, m.beam.divergence_rad,
-          m.resolution_path, m.lost_share,      m.full_echo_per_cosine};
+  return {m.full_echo,
+          m.full_echo_error,
+          m.detection_share,
+          m.leaf_size_m2,
+          static_cast<double>(m.leaf_size_from),
+          m.echo_variation,
+          m.mean_width_m,
+          m.range_resolution_m,
+          m.beam.diameter_m,
+          m.beam.divergence_rad,
+          m.resolution_path,
+          m.lost_share,
+          m.full_echo_per_cosine,
+          m.lacking_share};
 }
 
 }  // namespace
@@ -30,17 +41,22 @@ tile::ArraySet arrays_from_echo_model(const std::optional<EchoModel>& model) {
 Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
-  // The resolution path came with version 3, the lost share with 4, the last with 6.
+  // The resolution path came with version 3, the lost share with 4, what goes with the cosine with 6, what follows
+  // with 11.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
   for (std::size_t i = 0; i < f.size(); ++i)
     if (!std::isfinite(f[i]) || (i < kOldest + 2 && f[i] < 0))
       return damaged(arrays, "the model has values that cannot be");
-  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], f[4] != 0, f[5], f[6]};
+  EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], {}, f[5], f[6]};
+  if (f[4] > 2) return damaged(arrays, "the leaves' size is from nowhere");
+  m.leaf_size_from = static_cast<LeafSizeFrom>(f[4]);
   if (f.size() > kOldest) m.resolution_path = f[kOldest];
   if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
   if (f.size() > kOldest + 2) m.full_echo_per_cosine = f[kOldest + 2];
+  if (f.size() > kOldest + 3) m.lacking_share = f[kOldest + 3];
+  if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;
 }

@@ -1,4 +1,5 @@
 #include "libdensity/echoes/leaf_size.h"
+#include "libdensity/echoes/leaf_angle.h"
 #include "libdensity/tiles/rounding.h"
 #include "libdensity/tiles/uniform.h"
 
@@ -27,6 +28,7 @@ constexpr auto kLastNoiseBin = static_cast<std::size_t>(LeafSizePairs::kCloseM /
 constexpr double kCoreM = 0.02, kAllOfLeafM = 0.10;  // |Δ| of most pairs of one leaf, and of all
 constexpr double kLeastNoiseM = 0.001, kMostNoiseM = 0.08;
 constexpr double kMinSideM = 0.02, kMaxSideM = 0.25;
+constexpr double kTiltedDistanceM = 0.025, kTiltedSideM = 0.08;  // for apparent_side()
 
 double gaussian(Uniform& uniform) { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * kPi * uniform()); }
 
@@ -39,6 +41,7 @@ Eigen::Vector3d direction(Uniform& uniform) {
 /// the leaf's own axes and along the ray, and the noise of the two ranges in units of their standard deviation.
 struct PlaneSample {
   double u, v, along, noise;
+  double cosine;  // of the angle between the ray and the leaf's normal
 };
 
 std::vector<PlaneSample> plane_samples() {
@@ -53,9 +56,23 @@ std::vector<PlaneSample> plane_samples() {
     const double along = -x * s / c;
     const double a = x * c - along * s;  // in the plane, down the slope
     out.push_back({a * std::cos(turn) + y * std::sin(turn), -a * std::sin(turn) + y * std::cos(turn), along,
-                   std::sqrt(2.0) * gaussian(uniform)});
+                   std::sqrt(2.0) * gaussian(uniform), c});
   }
   return out;
+}
+
+const std::vector<PlaneSample>& shared_samples() {
+  static const std::vector<PlaneSample> kPlaneSamples = plane_samples();
+  return kPlaneSamples;
+}
+
+double difference_of(const PlaneSample& p, double r, const PairWindows& windows) {
+  return std::abs(r * p.along + windows.range_noise_m * p.noise);
+}
+
+/// The first ray hits anywhere on the square: share of places from which the offset stays on it.
+double share_on_leaf(const PlaneSample& p, double r, double side_m) {
+  return std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
 }
 
 /// Probabilities that the parallel ray ends on the same leaf: with a difference of range inside ±w, and in each of
@@ -65,18 +82,54 @@ struct SameLeaf {
 };
 
 SameLeaf same_leaf(double r, double side_m, const PairWindows& windows) {
-  static const std::vector<PlaneSample> kPlaneSamples = plane_samples();
+  const std::vector<PlaneSample>& samples = shared_samples();
   SameLeaf out;
-  for (const PlaneSample& p : kPlaneSamples) {
-    const double difference = std::abs(r * p.along + windows.range_noise_m * p.noise);
+  for (const PlaneSample& p : samples) {
+    const double difference = difference_of(p, r, windows);
     if (difference >= 2 * windows.window_m) continue;
-    // The first ray hits anywhere on the square: share of places from which the offset stays on it.
-    const double share = std::max(0.0, 1 - std::abs(r * p.u) / side_m) * std::max(0.0, 1 - std::abs(r * p.v) / side_m);
-    (difference < windows.window_m ? out.centre : out.side) += share;
+    (difference < windows.window_m ? out.centre : out.side) += share_on_leaf(p, r, side_m);
   }
-  out.centre /= static_cast<double>(kPlaneSamples.size());
-  out.side /= 2 * static_cast<double>(kPlaneSamples.size());
+  out.centre /= static_cast<double>(samples.size());
+  out.side /= 2 * static_cast<double>(samples.size());
   return out;
+}
+
+/// How many more leaves are turned like that than of leaves turned at random, by |cosine| of the inclination.
+class RelativeDensity {
+ public:
+  explicit RelativeDensity(const LeafAngles& angles) {
+    for (std::size_t i = 0; i < kCells; ++i) {
+      const double cosine = (static_cast<double>(i) + 0.5) / kCells, sine = std::sqrt(1 - cosine * cosine);
+      cells_[i] = leaf_inclination_density(angles, std::acos(cosine)) / sine;
+    }
+  }
+  /// In the mean over the directions in which a normal at that cosine to a ray of that elevation may point.
+  double of_normals(double cosine_to_ray, double sine_of_ray) const {
+    constexpr int kTurns = 16;
+    const double across = std::sqrt((1 - cosine_to_ray * cosine_to_ray) * (1 - sine_of_ray * sine_of_ray));
+    double sum = 0;
+    for (int k = 0; k < kTurns; ++k) {
+      const double up = sine_of_ray * cosine_to_ray + across * std::cos(2 * kPi * (k + 0.5) / kTurns);
+      sum += cells_[std::min(kCells - 1, static_cast<std::size_t>(std::abs(up) * kCells))];
+    }
+    return sum / kTurns;
+  }
+
+ private:
+  static constexpr std::size_t kCells = 64;
+  std::array<double, kCells> cells_{};
+};
+
+/// Probability that a pair is of one leaf in the usual window, as same_leaf(), with leaves turned somehow.
+double same_tilted_leaf(const RelativeDensity& density, double sine_of_ray) {
+  double same = 0, all = 0;
+  for (const PlaneSample& p : shared_samples()) {
+    const double weight = density.of_normals(p.cosine, sine_of_ray);
+    all += weight;
+    if (difference_of(p, kTiltedDistanceM, kUsualWindows) < kUsualWindows.window_m)
+      same += weight * share_on_leaf(p, kTiltedDistanceM, kTiltedSideM);
+  }
+  return same / all;
 }
 
 /// Number of rays that end with |Δ| up to a distance.
@@ -188,6 +241,21 @@ LeafSize estimate_leaf_size(const PairCounts& counts, const PairWindows& windows
   out.area_m2 = std::min(low * high, LeafSize::kLargestM2);
   out.measured = true;
   return out;
+}
+
+double apparent_side(const LeafAngles& angles, std::span<const double> sines, std::span<const double> hits) {
+  if (angles.type == LeafAngleType::spherical || angles.type == LeafAngleType::measured) return 1;
+  const RelativeDensity density(angles);
+  double same = 0, all = 0;
+  for (std::size_t k = 0; k < sines.size(); ++k)
+    if (hits[k] > 0) same += hits[k] * same_tilted_leaf(density, sines[k]), all += hits[k];
+  if (!(all > 0)) return 1;
+  double low = kMinSideM, high = kMaxSideM;
+  for (int step = 0; step < 30; ++step) {
+    const double side = std::sqrt(low * high);
+    (same_leaf(kTiltedDistanceM, side, kUsualWindows).centre < same / all ? low : high) = side;
+  }
+  return std::sqrt(low * high) / kTiltedSideM;
 }
 
 LeafShadow leaf_shadow(double area_m2, double voxel_m) {

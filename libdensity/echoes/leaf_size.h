@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "libdensity/echoes/leaf_size_pairs.h"
+#include "rayfield/density/options.h"
 
 namespace rayfield::density {
 
@@ -41,6 +43,12 @@ inline LeafSize estimate_leaf_size(const LeafSizePairs& pairs) {
 /// Probability that a parallel ray at lateral distance r from a ray that hits a square leaf hits the same leaf,
 /// with a difference of range below the window.
 double same_leaf_probability(double distance_m, double side_m, const PairWindows& windows);
+
+/// How large leaves turned like that look to estimate_leaf_size(), which takes them for turned at random: the side that
+/// it finds over theirs, where hits of rays of these sines of elevation are as frequent as `hits` says. Leaves that lie
+/// flat look small to level rays: narrow, and their far ends too far away for the windows. Of pairs 2.5 cm apart on
+/// leaves of 8 cm: 0.7 for an ellipsoid of 2.5, 5 % more or less with the distance. 1 for spherical leaves.
+double apparent_side(const LeafAngles& angles, std::span<const double> sines, std::span<const double> hits);
 
 /// What a leaf that is hit in a voxel takes of the potential path of other rays through that voxel, as a share of
 /// it.

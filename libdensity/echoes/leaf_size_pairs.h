@@ -43,6 +43,7 @@ struct PairCounts {
   using Counts = std::array<std::uint64_t, LeafSizePairs::kBins>;
   Counts near{}, front{}, same{}, behind{};
 };
+inline constexpr PairWindows kUsualWindows;
 PairCounts counts_of(const LeafSizePairs& pairs, double window_m);
 
 }  // namespace rayfield::density

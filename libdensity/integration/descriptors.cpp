@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libdensity/echoes/leaf_angle.h"
 #include "libdensity/integration/integrate.h"
 #include "libdensity/integration/row_shares.h"
 #include "libdensity/tiles/rounding.h"
-#include "libdensity/voxels/leaf_angle.h"
 
 namespace rayfield::density {
 namespace {

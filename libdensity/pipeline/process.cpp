@@ -49,9 +49,9 @@ void report_plants(ScanInWork& scan) {
   scan.report.voxel_m = scan.processed.voxel_m;
 }
 
-// The full echo goes with the angles at which rays meet leaves.
+// The full echo and how large leaves look go with the angles at which rays meet them.
 void take_leaf_angles(ScanVoxels& voxels) {
-  if (voxels.echoes) voxels.echoes = with_mean_cosine(*voxels.echoes, voxels.leaf_angles.mean_cosine);
+  if (voxels.echoes) voxels.echoes = with_aspect(*voxels.echoes, voxels.leaf_angles.aspect);
 }
 
 // Whether an earlier run has made all of the scan's plants. Reads next to nothing of it.

@@ -130,7 +130,7 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);
-  if (!model->leaf_measured) note += " (not measured: neighbouring beams are too far apart)";
+  if (model->leaf_size_from == LeafSizeFrom::nothing) note += " (not measured: neighbouring beams are too far apart)";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }
 

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "libdensity/voxels/leaf_angle.h"
+#include "libdensity/echoes/leaf_angle.h"
+#include "libdensity/echoes/leaf_size.h"
 
 namespace rayfield::density {
 namespace {
@@ -14,18 +15,17 @@ using ByRatio = Eigen::Array<double, DirectionLikelihood::kRatios, 1>;
 constexpr double kEnoughHits = 5000;
 constexpr std::size_t kEnoughParts = 4;
 constexpr double kLargestError = 0.3;
-// Spherical leaves come out a little flat: the mean of ten sites with thin beams, −0.1 to 0.3 (docs/density.md).
-constexpr double kSphericalLooks = 0.12;
-// Above that: up to the first, leaves are taken for spherical, from the second on the ratio counts as it is found.
+// Above what leaves turned at random look like: up to the first, leaves are taken for spherical, from the second on the
+// ratio counts as it is found.
 constexpr double kSurelyFlatter = 0.3, kCountsWhole = 0.7;
 
 double ln_ratio_of(int i) { return DirectionLikelihood::kFirstLnRatio + i * DirectionLikelihood::kLnRatioStep; }
 
 /// What a unit of path meets, up to a factor: the product of `projection` for its steepness, by ratio, and `returned`
-/// for its width, by loss.
+/// for its range, by loss.
 struct Meetings {
   std::array<ByRatio, DirectionCounters::kSteepness> projection;
-  std::array<std::array<double, DirectionCounters::kWidths>, DirectionLikelihood::kLosses> returned;
+  std::array<std::array<double, DirectionCounters::kRanges>, DirectionLikelihood::kLosses> returned;
 };
 
 Meetings make_meetings() {
@@ -35,9 +35,9 @@ Meetings make_meetings() {
       out.projection[k](r) =
           leaf_projection({LeafAngleType::ellipsoidal, std::exp(ln_ratio_of(r))}, DirectionCounters::kSine[k]);
   for (int l = 0; l < DirectionLikelihood::kLosses; ++l)
-    for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w)
-      out.returned[static_cast<std::size_t>(l)][w] =
-          std::exp(-l * DirectionLikelihood::kLossStepPerM * DirectionCounters::kWidth_m[w]);
+    for (std::size_t d = 0; d < DirectionCounters::kRanges; ++d)
+      out.returned[static_cast<std::size_t>(l)][d] =
+          std::exp(-l * DirectionLikelihood::kLossStepPerM * DirectionCounters::kRange_m[d]);
   return out;
 }
 
@@ -64,19 +64,19 @@ void DirectionLikelihood::add(const DirectionCounters& voxel) {
   const Meetings& m = meetings();
   std::int64_t hits = 0;
   int bins = 0;
-  std::array<ByRatio, DirectionCounters::kWidths> met;  // without loss
-  std::array<std::size_t, DirectionCounters::kWidths> widths{};
-  std::size_t width_count = 0;
-  for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w) {
+  std::array<ByRatio, DirectionCounters::kRanges> met;  // without loss
+  std::array<std::size_t, DirectionCounters::kRanges> ranges{};
+  std::size_t range_count = 0;
+  for (std::size_t d = 0; d < DirectionCounters::kRanges; ++d) {
     ByRatio sum = ByRatio::Zero();
     const int before = bins;
     for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k) {
-      const std::size_t bin = w * DirectionCounters::kSteepness + k;
+      const std::size_t bin = d * DirectionCounters::kSteepness + k;
       if (voxel.path[bin] <= 0) continue;
       sum += DirectionCounters::kPathUnit * static_cast<double>(voxel.path[bin]) * m.projection[k];
       hits += voxel.hits[bin], ++bins;
     }
-    if (bins > before) met[w] = sum, widths[width_count++] = w;
+    if (bins > before) met[d] = sum, ranges[range_count++] = d;
   }
   if (hits <= 0 || bins < 2) return;
   const double unit = 1 / full_echo_.value_or(1);
@@ -84,7 +84,7 @@ void DirectionLikelihood::add(const DirectionCounters& voxel) {
     if (voxel.path[i] > 0) hits_[i] += unit * static_cast<double>(voxel.hits[i]);
   for (std::size_t l = 0; l < static_cast<std::size_t>(losses()); ++l) {
     ByRatio sum = ByRatio::Zero();
-    for (std::size_t n = 0; n < width_count; ++n) sum += m.returned[l][widths[n]] * met[widths[n]];
+    for (std::size_t n = 0; n < range_count; ++n) sum += m.returned[l][ranges[n]] * met[ranges[n]];
     hits_ln_met_[l] += unit * static_cast<double>(hits) * sum.log();
   }
 }
@@ -102,6 +102,12 @@ DirectionLikelihood& DirectionLikelihood::operator-=(const DirectionLikelihood& 
 }
 
 double DirectionLikelihood::hits() const { return std::accumulate(hits_.begin(), hits_.end(), 0.0); }
+
+std::array<double, DirectionCounters::kSteepness> DirectionLikelihood::hits_by_steepness() const {
+  std::array<double, DirectionCounters::kSteepness> out{};
+  for (std::size_t i = 0; i < hits_.size(); ++i) out[i % DirectionCounters::kSteepness] += hits_[i];
+  return out;
+}
 
 double DirectionLikelihood::at(int ratio) const {
   const Meetings& m = meetings();
@@ -129,7 +135,7 @@ std::optional<double> DirectionLikelihood::ln_ratio() const {
 }
 
 LeafAngles LeafAngleFit::angles() const {
-  const double flatter = ln_ratio - kSphericalLooks;
+  const double flatter = ln_ratio - spherical_looks;
   if (!measured || flatter <= kSurelyFlatter) return {LeafAngleType::spherical, 1};
   const double share = std::min(1.0, (flatter - kSurelyFlatter) / (kCountsWhole - kSurelyFlatter));
   return {LeafAngleType::ellipsoidal, std::exp(share * flatter)};
@@ -157,6 +163,14 @@ LeafAngleFit fit_ratio(std::span<const DirectionLikelihood* const> parts, const 
   return fit;
 }
 
+LeafAspect aspect_of(const LeafAngles& angles, const DirectionLikelihood& all) {
+  const auto hits = all.hits_by_steepness();
+  double cosines = 0, sum = 0;
+  for (std::size_t k = 0; k < hits.size(); ++k)
+    cosines += hits[k] * mean_incidence_cosine(angles, DirectionCounters::kSine[k]), sum += hits[k];
+  return {cosines / sum, apparent_side(angles, DirectionCounters::kSine, hits)};
+}
+
 }  // namespace
 
 LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const LeafAngles& angles) {
@@ -167,8 +181,9 @@ LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const L
   DirectionLikelihood all = *used.front();
   for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
   LeafAngleFit fit = angles.type == LeafAngleType::measured ? fit_ratio(used, all) : LeafAngleFit{};
+  fit.spherical_looks = all.of_wide_beams() ? kSphericalLooksWide : kSphericalLooks;
   const LeafAngles taken = angles.type == LeafAngleType::measured ? fit.angles() : angles;
-  fit.mean_cosine = all.mean_over_hits([&](double sine) { return mean_incidence_cosine(taken, sine); });
+  fit.aspect = aspect_of(taken, all);
   return fit;
 }
 

@@ -6,20 +6,20 @@
 #include <span>
 #include <vector>
 
+#include "libdensity/echoes/leaf_angle.h"
 #include "libdensity/voxels/direction_counters.h"
-#include "libdensity/voxels/leaf_angle.h"
 #include "rayfield/density/options.h"
 
 namespace rayfield::density {
 
 /// How likely the directions of the hits in some voxels are, given how many hits each voxel has, by how leaves are
-/// turned (ln of the ratio of the axes of Campbell's ellipsoid) and by how apparent density falls with the diameter of
-/// beams (exp(−loss·diameter)). Relative to one another.
+/// turned (ln of the ratio of the axes of Campbell's ellipsoid) and by how apparent density falls with the range
+/// (exp(−loss·range)): beams get wider, and have come through more leaves. Relative to one another.
 class DirectionLikelihood {
  public:
   static constexpr int kRatios = 14, kLosses = 11;
   static constexpr double kLnRatioStep = 0.2, kFirstLnRatio = -0.6;  ///< spherical leaves: 0
-  static constexpr double kLossStepPerM = 6;
+  static constexpr double kLossStepPerM = 0.07;
 
   /// `full_echo`: intensity of a whole hit; nothing for thin beams, whose hits are counted, and which lose nothing.
   explicit DirectionLikelihood(std::optional<double> full_echo = std::nullopt) : full_echo_(full_echo) {}
@@ -28,14 +28,9 @@ class DirectionLikelihood {
   DirectionLikelihood& operator-=(const DirectionLikelihood& other);
 
   double hits() const;
-  /// Mean over the hits of what the function says for the sine of the ray's elevation.
-  template <class OfSine>
-  double mean_over_hits(OfSine of_sine) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < hits_.size(); ++i)
-      if (hits_[i] > 0) sum += hits_[i] * of_sine(DirectionCounters::kSine[i % DirectionCounters::kSteepness]);
-    return sum / hits();
-  }
+  bool of_wide_beams() const { return full_echo_.has_value(); }
+  /// By the steepness of the rays, as DirectionCounters::kSine.
+  std::array<double, DirectionCounters::kSteepness> hits_by_steepness() const;
   /// The most likely ln of the ratio, each with the loss that is most likely for it; nothing where it lies at an end of
   /// what is looked at.
   std::optional<double> ln_ratio() const;
@@ -51,18 +46,22 @@ class DirectionLikelihood {
   static std::array<Eigen::Array<double, kRatios, 1>, kLosses> zeros();
 };
 
+/// ln of the ratio as which leaves turned at random come out, a little flat: the mean of ten sites with thin beams,
+/// −0.1 to 0.3. Through wide beams a little steep: the mean of 24 scans, −0.45 to 0.23 (docs/density.md).
+inline constexpr double kSphericalLooks = 0.12, kSphericalLooksWide = -0.17;
+
 /// What the hits of a scan say of its leaves' angles.
 struct LeafAngleFit {
-  double ln_ratio = 0, error = 0;  ///< of Campbell's ellipsoid, and its standard error
-  bool measured = false;           ///< there are enough hits, and they agree
-  /// Of the angle between rays and the normals of the leaves that they met (mean_incidence_cosine()).
-  double mean_cosine = kSphericalMeanCosine;
+  double ln_ratio = 0, error = 0;            ///< of Campbell's ellipsoid, and its standard error
+  bool measured = false;                     ///< there are enough hits, and they agree
+  double spherical_looks = kSphericalLooks;  ///< ln_ratio that leaves turned at random have in the mean
+  LeafAspect aspect;                         ///< of the leaves that the hits met
   /// Leaves are taken for spherical unless they are clearly flatter.
   LeafAngles angles() const;
 };
 
 /// From parts of a scan that are independent of each other; errors from how they differ (jackknife).
-/// `angles`: those that the options say; of `measured` the fit's own are taken for `mean_cosine`.
+/// `angles`: those that the options say; of `measured` the fit's own are taken for `aspect`.
 LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts,
                              const LeafAngles& angles = {LeafAngleType::measured, 1});
 

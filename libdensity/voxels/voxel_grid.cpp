@@ -359,13 +359,13 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
 void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood) {
   const Geometry& g = *geometry_;
   double end = ray.length, passed = 0, fresh_m = std::numeric_limits<double>::infinity();
-  WideRay wide{0, 0, 0, 1};
+  DirectedRay directed{0, 0, 1};
   if (g.view) {
     if (ray.hit && !on_wood) end += g.view->behind_m;
     passed = std::max(0.0, 1 - ray.intensity / g.view->full_echo), fresh_m = kFreshM;
-    wide = {g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+    directed = {ray.range_m, 1, ray.intensity};
   }
-  const double width_m = wide.width_at_origin_m + wide.divergence_rad * ray.length;
+  const double range_m = directed.range_at_origin_m + directed.range_per_m * ray.length;
   meet_grids(ray, end);
   for (const Met& met : met_) {
     if (!(fresh_m > 0)) return;
@@ -374,11 +374,11 @@ void VoxelAccumulator::count_directions(const Ray& ray, std::span<const RayPiece
     if (sums_[met.item].directions.empty()) continue;
     for (RayPiece piece : pieces) {
       piece.hit = piece.hit && piece.to <= until, piece.to = std::min(piece.to, until);
-      if (piece.from < piece.to) add_directions(sums_[met.item], met.g0, met.dg, piece, wide);
+      if (piece.from < piece.to) add_directions(sums_[met.item], met.g0, met.dg, piece, directed);
     }
     if (const double last = std::min(end, until); last > ray.length)
       add_directions_behind(sums_[met.item], met.g0, met.dg,
-                            {ray.length, last, 0, false, false, false, pieces.front().steepness}, passed, width_m);
+                            {ray.length, last, 0, false, false, false, pieces.front().steepness}, passed, range_m);
   }
 }
 

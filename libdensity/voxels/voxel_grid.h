@@ -11,11 +11,11 @@
 
 #include "libdensity/echoes/echo_statistics.h"
 #include "libdensity/echoes/full_echoes.h"
+#include "libdensity/echoes/leaf_angle.h"
 #include "libdensity/echoes/leaf_size.h"
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/direction_counters.h"
-#include "libdensity/voxels/leaf_angle.h"
 #include "libdensity/voxels/wood.h"
 #include "rayfield/core/result.h"
 #include "rayfield/density/options.h"

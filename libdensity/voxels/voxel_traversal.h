@@ -161,9 +161,15 @@ inline void add_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const 
   });
 }
 
-/// As traverse(), but into the DirectionCounters. `wide`: of thin beams 0 wide, with hits of intensity 1.
+/// For DirectionCounters. Thin beams: at range 0 all along, with hits of intensity 1.
+struct DirectedRay {
+  double range_at_origin_m, range_per_m;  ///< range at t metres along the ray: range_at_origin_m + range_per_m·t
+  std::uint16_t intensity;                ///< of the echo
+};
+
+/// As traverse(), but into the DirectionCounters.
 inline void add_directions(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
-                           const RayPiece& piece, const WideRay& wide) {
+                           const RayPiece& piece, const DirectedRay& ray) {
   const Shape3 shape = sums.row_segment.shape();
   const int n[3] = {shape.ni, shape.nj, shape.nk};
   GridChord chord{piece.from, piece.to, -1};
@@ -173,21 +179,21 @@ inline void add_directions(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, co
   walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
     if (at.column < 0) return;
     DirectionCounters& d = sums.directions[at.voxel];
-    const double width_m = wide.width_at_origin_m + wide.divergence_rad * at.to;
-    const std::size_t bin = DirectionCounters::bin_of(piece.steepness, width_m);
+    const double range_m = ray.range_at_origin_m + ray.range_per_m * at.to;
+    const std::size_t bin = DirectionCounters::bin_of(piece.steepness, range_m);
     d.add_path(bin, std::max(0.0, at.to - at.from) * to_voxels);
-    if (at.last && hit_inside) d.hits[bin] += wide.intensity;
+    if (at.last && hit_inside) d.hits[bin] += ray.intensity;
   });
 }
 
 /// Likewise the path behind an echo, of which `passed` is the share of the beam that goes on.
 inline void add_directions_behind(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Eigen::Vector3d& dg,
-                                  const RayPiece& piece, double passed, double width_m) {
+                                  const RayPiece& piece, double passed, double range_m) {
   const Shape3 shape = sums.row_segment.shape();
   const int n[3] = {shape.ni, shape.nj, shape.nk};
   GridChord chord{piece.from, piece.to, -1};
   if (!clip_to_grid(n, g0, dg, chord)) return;
-  const std::size_t bin = DirectionCounters::bin_of(piece.steepness, width_m);
+  const std::size_t bin = DirectionCounters::bin_of(piece.steepness, range_m);
   const double to_voxels = passed / sums.row_segment.voxel_m;
   walk(sums, g0, dg, chord, [&](const VoxelStep& at) {
     if (at.column >= 0) sums.directions[at.voxel].add_path(bin, std::max(0.0, at.to - at.from) * to_voxels);

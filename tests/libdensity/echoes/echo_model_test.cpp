@@ -90,14 +90,31 @@ TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
 // Leaves that lie flat are met at a smaller cosine by level rays, and their full echo is weaker.
 TEST(EchoModel, TheFullEchoGoesWithTheAnglesAtWhichRaysMeetLeaves) {
   EchoModel model{.full_echo = 100, .detection_share = 0.2, .full_echo_per_cosine = 60};
-  EXPECT_NEAR(with_mean_cosine(model, 2.0 / 3).full_echo, 100, 1e-9);
-  const EchoModel flat = with_mean_cosine(model, 2.0 / 3 - 0.2);
+  EXPECT_NEAR(with_aspect(model, {}).full_echo, 100, 1e-9);
+  const EchoModel flat = with_aspect(model, {2.0 / 3 - 0.2, 1});
   EXPECT_NEAR(flat.full_echo, 88, 1e-9);
   EXPECT_NEAR(flat.detection_share, 0.2 / 0.88, 1e-9);  // the weakest echo is as it was
   model.beam.detection_share = 0.2;
-  EXPECT_EQ(with_mean_cosine(model, 2.0 / 3 - 0.2).detection_share, 0.2);
+  EXPECT_EQ(with_aspect(model, {2.0 / 3 - 0.2, 1}).detection_share, 0.2);
   model.full_echo_per_cosine = 1000;
-  EXPECT_NEAR(with_mean_cosine(model, 0.4).full_echo, 50, 1e-9);
+  EXPECT_NEAR(with_aspect(model, {0.4, 1}).full_echo, 50, 1e-9);
+}
+
+// Leaves that look too small are larger than that, so that full echoes lack less.
+TEST(EchoModel, LeavesThatLieFlatAreLargerThanTheyLook) {
+  EchoModel model{.full_echo = 100, .leaf_size_m2 = 0.0036, .leaf_size_from = LeafSizeFrom::pairs};
+  model.mean_width_m = 0.03, model.range_resolution_m = 0.15, model.detection_share = 0.25;
+  const auto lacking = [&](double side_m) {
+    return 1.8 * std::pow(model.mean_width_m / side_m, 2.5) * std::exp(-1 - 0.25 / 0.3);
+  };
+  model.lacking_share = lacking(0.06);
+  const EchoModel flat = with_aspect(model, {2.0 / 3, 0.75});
+  EXPECT_NEAR(flat.leaf_size_m2, 0.0064, 1e-9);
+  EXPECT_NEAR(flat.full_echo, 100 * (1 - lacking(0.06)) / (1 - lacking(0.08)), 1e-6);
+  EXPECT_NEAR(flat.lacking_share, lacking(0.08), 1e-9);
+  model.leaf_size_from = LeafSizeFrom::options;
+  EXPECT_EQ(with_aspect(model, {2.0 / 3, 0.75}).leaf_size_m2, 0.0036);
+  EXPECT_NEAR(with_aspect(model, {2.0 / 3, 0.75}).full_echo, 100, 1e-9);
 }
 
 TEST(EchoModel, FullEchoesTellHowTheyGoWithTheAngle) {
@@ -145,7 +162,7 @@ TEST(EchoModel, LeavesLookSmallerThroughCoarserRangeResolutions) {
   const auto area_m2 = [&](double range_resolution_m) {
     known.range_resolution_m = range_resolution_m;
     const auto model = estimate_echo_model(statistics, known);
-    EXPECT_TRUE(model->leaf_measured);
+    EXPECT_EQ(model->leaf_size_from, LeafSizeFrom::pairs);
     return model->leaf_size_m2;
   };
   EXPECT_NEAR(area_m2(0.25) / area_m2(0.15), std::exp(2 * 3.03 * 0.1), 1e-6);

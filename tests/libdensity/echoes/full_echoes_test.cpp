@@ -124,7 +124,8 @@ TEST(FullEchoStrength, DoesNotDependOnWhatScattersIntensities) {
   std::array<double, 2> levels{};
   for (const bool scattered : {false, true}) {
     std::vector<FullEcho> echoes = full_echoes(0, scattered ? 0.3 : 0, 20000);
-    for (std::size_t i = 0; i < echoes.size(); i += 5) echoes[i].intensity = echoes[i].intensity * 7 / 10;
+    for (std::size_t i = 0; i < echoes.size(); i += 5)
+      echoes[i].intensity = static_cast<std::uint16_t>(echoes[i].intensity * 7 / 10);
     levels.at(scattered ? 1 : 0) = full_echo_strength(echoes, {0, 0.001}).intensity;
   }
   EXPECT_NEAR(levels[0], 940, 2);

@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "libdensity/voxels/voxel_grid.h"
@@ -194,6 +196,60 @@ TEST(LeafSize, WhatIsMeasuredCanBeGivenAsAnOption) {
   EstimatorOptions options;
   options.leaf_size_m2 = size.area_m2;
   EXPECT_TRUE(options.validate());
+}
+
+/// Share of pairs of parallel rays `distance_m` apart, one of which has hit a square leaf of that side, in which the
+/// other hits it, too, in the usual window: leaves of an ellipsoid's angles, drawn one by one, rays of that elevation.
+double share_of_pairs(double ellipsoid_ratio, double sine, double distance_m, double side_m) {
+  std::mt19937_64 engine(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal;
+  const Eigen::Vector3d ray(std::sqrt(1 - sine * sine), 0, sine), level = Eigen::Vector3d::UnitY();
+  double hits = 0, same = 0;
+  for (int i = 0; i < 200000; ++i) {
+    // Normals of the surface of an ellipsoid, by its area: of the sphere's, weighted with how the map stretches it.
+    Eigen::Vector3d on_sphere(normal(engine), normal(engine), normal(engine));
+    on_sphere.normalize();
+    Eigen::Vector3d n(on_sphere.x(), on_sphere.y(), ellipsoid_ratio * on_sphere.z());
+    const double stretch = n.norm();
+    n.normalize();
+    const double cosine = std::abs(n.dot(ray)), turn = std::numbers::pi * uniform(engine);
+    const Eigen::Vector3d beside = std::cos(turn) * level + std::sin(turn) * ray.cross(level);
+    const double along = -distance_m * beside.dot(n) / ray.dot(n);
+    const Eigen::Vector3d there = distance_m * beside + along * ray;
+    const Eigen::Vector3d u = Eigen::AngleAxisd(std::numbers::pi * uniform(engine), n) * n.unitOrthogonal();
+    const double share = std::max(0.0, 1 - std::abs(there.dot(u)) / side_m) *
+                         std::max(0.0, 1 - std::abs(there.dot(n.cross(u))) / side_m);
+    hits += stretch * cosine;
+    if (std::abs(along + std::sqrt(2.0) * kUsualWindows.range_noise_m * normal(engine)) < kUsualWindows.window_m)
+      same += stretch * cosine * share;
+  }
+  return same / hits;
+}
+
+TEST(ApparentSide, IsThatOfLeavesTurnedAtRandomWithAsManyPairs) {
+  const std::array hits{1.0};
+  for (const double ratio : {0.6, 1.0, 1.8, 3.0})
+    for (const double sine : {0.1, 0.4}) {
+      const double side = apparent_side({LeafAngleType::ellipsoidal, ratio}, std::array{sine}, hits);
+      EXPECT_NEAR(same_leaf_probability(0.025, 0.08 * side, kUsualWindows), share_of_pairs(ratio, sine, 0.025, 0.08),
+                  0.01)
+          << ratio << " " << sine;
+    }
+}
+
+TEST(ApparentSide, FlatLeavesLookSmallToLevelRays) {
+  const LeafAngles flat{LeafAngleType::ellipsoidal, 2.5};
+  const std::array sines{0.1, 0.6};
+  EXPECT_EQ(apparent_side({LeafAngleType::spherical, 1}, sines, std::array{1.0, 1.0}), 1);
+  const double level = apparent_side(flat, sines, std::array{1.0, 0.0});
+  const double steep = apparent_side(flat, sines, std::array{0.0, 1.0});
+  const double both = apparent_side(flat, sines, std::array{1.0, 1.0});
+  EXPECT_LT(level, 0.78);
+  EXPECT_GT(steep, level + 0.1);
+  EXPECT_GT(both, level);
+  EXPECT_LT(both, steep);
+  EXPECT_EQ(apparent_side(flat, sines, std::array{0.0, 0.0}), 1);
 }
 
 }  // namespace

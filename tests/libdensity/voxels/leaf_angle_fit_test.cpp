@@ -6,13 +6,13 @@
 #include <random>
 #include <vector>
 
-#include "libdensity/voxels/leaf_angle.h"
+#include "libdensity/echoes/leaf_angle.h"
 
 namespace rayfield::density {
 namespace {
 
-/// Voxels of some density, each seen by rays of a few directions and widths, met as often as leaves of an ellipsoid's
-/// angles and a loss with the width say.
+/// Voxels of some density, each seen by rays of a few directions and ranges, met as often as leaves of an ellipsoid's
+/// angles and a loss with the range say.
 std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool wide, int voxels = 1500,
                                           double full_echo = 1) {
   std::mt19937_64 engine(7);
@@ -22,13 +22,13 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
     const double density = 0.2 + 0.8 * uniform(engine);
     DirectionCounters voxel;
     for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
-      for (std::size_t w = 0; w < (wide ? DirectionCounters::kWidths : 1); ++w) {
+      for (std::size_t d = 0; d < (wide ? DirectionCounters::kRanges : 1); ++d) {
         if (uniform(engine) < 0.4) continue;
-        const std::size_t bin = w * DirectionCounters::kSteepness + k;
+        const std::size_t bin = d * DirectionCounters::kSteepness + k;
         const double path = 40 * uniform(engine);
         const double met = path * density *
                            leaf_projection({LeafAngleType::ellipsoidal, ratio}, DirectionCounters::kSine[k]) *
-                           std::exp(-loss_per_m * DirectionCounters::kWidth_m[w]);
+                           std::exp(-loss_per_m * DirectionCounters::kRange_m[d]);
         voxel.add_path(bin, path);
         voxel.hits[bin] = std::llrint(full_echo) * std::poisson_distribution<long>(met)(engine);
       }
@@ -37,17 +37,17 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
   return parts;
 }
 
-TEST(DirectionCounters, BinsGoBySteepnessUpAndDownAndByWidth) {
-  const auto bin_of = [](double sine, double width_m) {
-    return DirectionCounters::bin_of(DirectionCounters::steepness_of(sine), width_m);
+TEST(DirectionCounters, BinsGoBySteepnessUpAndDownAndByRange) {
+  const auto bin_of = [](double sine, double range_m) {
+    return DirectionCounters::bin_of(DirectionCounters::steepness_of(sine), range_m);
   };
   EXPECT_EQ(bin_of(0.05, 0), 0U);
   EXPECT_EQ(bin_of(-0.25, 0), 2U);
-  EXPECT_EQ(bin_of(0.99, 0.5), DirectionCounters::kBins - 1);
+  EXPECT_EQ(bin_of(0.99, 5.0), DirectionCounters::kBins - 1);
   for (std::size_t k = 0; k < DirectionCounters::kSteepness; ++k)
-    for (std::size_t w = 0; w < DirectionCounters::kWidths; ++w)
-      EXPECT_EQ(bin_of(DirectionCounters::kSine[k], DirectionCounters::kWidth_m[w]),
-                w * DirectionCounters::kSteepness + k);
+    for (std::size_t d = 0; d < DirectionCounters::kRanges; ++d)
+      EXPECT_EQ(bin_of(DirectionCounters::kSine[k], DirectionCounters::kRange_m[d]),
+                d * DirectionCounters::kSteepness + k);
 }
 
 // Errors are about those of Poisson hits here: 0.02 to 0.06.
@@ -62,7 +62,7 @@ TEST(LeafAngleFit, DirectionsOfHitsTellTheRatioOfTheEllipsoid) {
 
 TEST(LeafAngleFit, WhatWideBeamsLoseIsNotTakenForAngles) {
   for (const double ratio : {1.0, 3.0}) {
-    const std::vector<DirectionLikelihood> parts = parts_of(ratio, 20, true, 1500, 105);
+    const std::vector<DirectionLikelihood> parts = parts_of(ratio, 0.25, true, 1500, 105);
     const LeafAngleFit fit = fit_leaf_angles(parts);
     ASSERT_TRUE(fit.measured) << ratio;
     EXPECT_NEAR(fit.ln_ratio, std::log(ratio), 3 * fit.error + 0.02) << ratio;
@@ -85,12 +85,24 @@ TEST(LeafAngleFit, PartsThatDisagreeTellNothing) {
 }
 
 TEST(LeafAngleFit, LevelRaysMeetFlatLeavesAtASmallCosine) {
-  EXPECT_NEAR(fit_leaf_angles(parts_of(1, 0, false)).mean_cosine, kSphericalMeanCosine, 1e-6);
-  EXPECT_LT(fit_leaf_angles(parts_of(3.5, 0, false)).mean_cosine, kSphericalMeanCosine - 0.05);
+  EXPECT_NEAR(fit_leaf_angles(parts_of(1, 0, false)).aspect.mean_cosine, kSphericalMeanCosine, 1e-6);
+  EXPECT_LT(fit_leaf_angles(parts_of(3.5, 0, false)).aspect.mean_cosine, kSphericalMeanCosine - 0.05);
   // As the options say, whatever the hits say.
   const LeafAngles upright{LeafAngleType::erectophile, 1};
-  EXPECT_GT(fit_leaf_angles(parts_of(3.5, 0, false), upright).mean_cosine, kSphericalMeanCosine);
+  EXPECT_GT(fit_leaf_angles(parts_of(3.5, 0, false), upright).aspect.mean_cosine, kSphericalMeanCosine);
   EXPECT_FALSE(fit_leaf_angles(parts_of(3.5, 0, false), upright).measured);
+}
+
+// Leaves turned at random look a little steep through wide beams.
+TEST(LeafAngleFit, ThroughWideBeamsSphericalLeavesLookAnotherWay) {
+  const LeafAngleFit wide = fit_leaf_angles(parts_of(1.6, 0.25, true, 1500, 105));
+  const LeafAngleFit thin = fit_leaf_angles(parts_of(1.6, 0, false));
+  EXPECT_EQ(thin.spherical_looks, kSphericalLooks);
+  EXPECT_EQ(wide.spherical_looks, kSphericalLooksWide);
+  EXPECT_GT(wide.angles().ellipsoid_ratio, 1.2);
+  EXPECT_LT(thin.angles().ellipsoid_ratio, wide.angles().ellipsoid_ratio);
+  EXPECT_LT(wide.aspect.apparent_side, 1);
+  EXPECT_EQ(fit_leaf_angles(parts_of(0.8, 0, false)).aspect.apparent_side, 1);
 }
 
 TEST(LeafAngleFit, LeavesAreSphericalUnlessTheyAreClearlyFlatter) {

@@ -1,4 +1,4 @@
-#include "libdensity/voxels/leaf_angle.h"
+#include "libdensity/echoes/leaf_angle.h"
 
 #include <gtest/gtest.h>
 

@@ -20,6 +20,12 @@ double leaf_projection(const LeafAngles& angles, double cos_zenith);
 /// leaves at any θ.
 double mean_incidence_cosine(const LeafAngles& angles, double cos_zenith);
 
+/// How the rays of a scan meet leaves turned somehow, in the mean over their hits.
+struct LeafAspect {
+  double mean_cosine = kSphericalMeanCosine;  ///< of the angle between rays and leaves' normals
+  double apparent_side = 1;  ///< of leaves, where they are taken for turned at random; over the true one
+};
+
 /// leaf_projection() tabulated over |cos θ| with linear interpolation (error < 5e-4), for use once per ray.
 class LeafProjectionTable {
  public:
