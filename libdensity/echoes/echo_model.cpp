@@ -6,6 +6,7 @@
 
 #include "libdensity/echoes/echo_loss.h"
 #include "libdensity/echoes/full_echoes.h"
+#include "libdensity/echoes/unreturned_beams.h"
 
 namespace rayfield::density {
 namespace {
@@ -13,14 +14,22 @@ namespace {
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
-constexpr double kWoodInFullEcho = 1.5;   // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kNearShare = 0.3;        // of the echoes: those of the narrowest beams
-constexpr double kFullError = 0.02;       // relative, of the full echo from full echoes, beside what they tell of it
-constexpr double kMeanError = 0.10;       // relative, of the full echo from the mean echo,
-constexpr double kMeanBesideFull = 0.25;  // which is nearly left out where full echoes tell
+constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
+constexpr double kFullError = 0.02;      // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
+// Of one lidar's beam, ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
+// reach, for each side of a leaf that beams are wide (falls with the range resolution), and for wood among the leaves
+// (over leafiness); relative errors of what comes of it, beside wood and of wood.
+constexpr double kAboveMean = 0.21, kWeakestAboveMean = -0.56, kWidthAboveMean = 1.06, kFadesM = 0.25;
+constexpr double kWoodAboveMean = 1.0, kMeanEchoError = 0.06, kWoodInMeanEcho = 0.8;
+constexpr double kMeanError = 0.10;  // of lidars with several beams at a time, whose full echoes are not asked
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
+constexpr double kCutOfFull = 0.32;  // scatter of full echoes by what edges cut off, by the beam's width over a side
+constexpr double kUsualAngleDependence = 0.5, kUsualScatter = 0.15;
+constexpr double kMostAngleDependence = 0.9;     // a blade is not so flat that it vanishes when seen edge-on
 constexpr double kWeakestShare = 0.02;           // of the echoes lie below the detection share,
 constexpr double kWeakest = 1.03;                // nearly: where they begin, in detection shares
 constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
@@ -110,15 +119,14 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
 /// is 1.2·f·t²/2 (docs/beams.md, "How it is taken out"). Whole numbers of intensity stand for a unit: the band holds
 /// few of them where a lidar counts full echoes in tens.
 double lost_share(const std::vector<std::uint32_t>& histogram, double full_echo, double detection_share) {
-  constexpr double kBand = 0.1, kPiecesBelow = 1.2;
-  const double from = detection_share * full_echo, to = (detection_share + kBand) * full_echo;
+  const double from = detection_share * full_echo, to = (detection_share + kBandAboveWeakest) * full_echo;
   double strength = 0, in_band = 0;
   for (std::size_t i = 0; i < histogram.size(); ++i) {
     const auto intensity = static_cast<double>(i);
     strength += histogram[i] * intensity / full_echo;
     in_band += histogram[i] * std::max(0.0, std::min(intensity + 0.5, to) - std::max(intensity - 0.5, from));
   }
-  const double lost = kPiecesBelow * in_band / kBand * detection_share * detection_share / 2;
+  const double lost = kPiecesBelow * in_band / kBandAboveWeakest * detection_share * detection_share / 2;
   return strength > 0 ? lost / (strength + lost) : 0;
 }
 
@@ -128,32 +136,63 @@ double leafiness_of(const EchoStatistics& statistics) {
          static_cast<double>(std::max<std::uint64_t>(1, statistics.wood_echoes()));
 }
 
+double widths_of_leaf(const EchoModel& model) {
+  return model.leaf_size_m2 > 0 ? model.mean_width_m / std::sqrt(model.leaf_size_m2) : 0;
+}
+
 /// What is missing of full echoes in the mean: where beams are as wide as leaves few fall wholly on one, and of those
 /// that look as if they did, part went past. The coarser the range resolution and the higher the detection share, the
 /// more of the echoes around a full one are themselves nearly full (docs/beams.md, "How it is taken out").
 double lacking_of(const EchoModel& model) {
-  if (!(model.leaf_size_m2 > 0)) return 0;
-  const double widths = model.mean_width_m / std::sqrt(model.leaf_size_m2);
+  const double widths = widths_of_leaf(model);
   const double apart =
       std::exp(-model.range_resolution_m / kLackingResolutionM - model.detection_share / kLackingShare);
   return std::min(kMostLacking, kLacking * std::pow(widths, kLackingPower) * apart);
 }
 
-/// From the mean echo, with the model's detection share and leaves, and from full echoes where there are enough,
-/// weighted by their errors.
-void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, EchoModel& model) {
+/// A strength and its relative error.
+struct Strength {
+  double intensity = 0, error = 0;
+  double weight() const { return 1 / (error * error); }
+};
+
+/// The full echo that the mean of all echoes stands for: of one lidar's beam (docs/beams.md, "How it is taken out"),
+Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const EchoModel& model) {
+  const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
+  const double above = kAboveMean + kWeakestAboveMean * weakest / mean +
+                       kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM) +
+                       kWoodAboveMean * wood;
+  return {mean * std::exp(above), std::hypot(kMeanEchoError, kWoodInMeanEcho * wood)};
+}
+
+/// and of lidars with several beams at a time, from the narrowest of them and random leaves.
+Strength from_narrow_echoes(const EchoStatistics& statistics, const EchoModel& model) {
   const Bins near = narrowest(statistics.all());
   const double side_m = std::sqrt(model.leaf_size_m2);
   const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
-  model.full_echo = sum_of(near).mean() / share, model.full_echo_error = kMeanError;
+  return {sum_of(near).mean() / share, kMeanError};
+}
+
+/// How differently bright the leaves are: as full echoes say, where there are enough, less what edges cut off those.
+LeafBrightness brightness_of(const FullEchoStrength& full, const EchoModel& model) {
+  if (full.count < kEnoughFull) return {kUsualAngleDependence, kUsualScatter};
+  const double cut = kCutOfFull * widths_of_leaf(model);
+  return {std::min(kMostAngleDependence, full.angle_dependence),
+          std::sqrt(std::max(0.0, full.scatter * full.scatter - cut * cut))};
+}
+
+/// From the mean echo, and from full echoes where there are enough, weighted by their errors.
+void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, const Strength& of_mean,
+                       EchoModel& model) {
+  model.full_echo = of_mean.intensity, model.full_echo_error = of_mean.error;
   if (full.count >= kEnoughFull) {
-    const double error = std::hypot(kFullError, full.error);
-    const double weight = 1 / (error * error), mean_weight = 1 / (kMeanBesideFull * kMeanBesideFull);
     model.lacking_share = lacking_of(model);
-    const double whole = full.intensity / (1 - model.lacking_share);
-    model.full_echo = (weight * whole + mean_weight * model.full_echo) / (weight + mean_weight);
-    model.full_echo_error = 1 / std::sqrt(weight + mean_weight);
-    model.full_echo_per_cosine = weight / (weight + mean_weight) * full.per_cosine;
+    const Strength of_full{full.intensity / (1 - model.lacking_share),
+                           std::hypot(kFullError, full.error, kLackingError * model.lacking_share)};
+    const double weights = of_full.weight() + of_mean.weight();
+    model.full_echo = (of_full.weight() * of_full.intensity + of_mean.weight() * of_mean.intensity) / weights;
+    model.full_echo_error = 1 / std::sqrt(weights);
+    model.full_echo_per_cosine = of_full.weight() / weights * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
@@ -190,17 +229,23 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   // without full echoes and with a weakest echo that is taken too strong, two errors cancel there.
   const bool one_beam = sends_one_beam(statistics);
   if (!one_beam) model.resolution_path = kSeveralBeamsResolutionPath;
-  const double weakest = one_beam ? quantile(statistics.histogram(), kWeakestShare) / kWeakest
-                                  : quantile(statistics.histogram(), kSeveralBeamsWeakestShare) / kSeveralBeamsWeakest;
+  const double weakest = quantile(statistics.histogram(), one_beam ? kWeakestShare : kSeveralBeamsWeakestShare);
+  const double detected = weakest / (one_beam ? kWeakest : kSeveralBeamsWeakest);
   const auto full =
       one_beam ? full_echo_strength(statistics.full(), statistics.ground_dependence()) : FullEchoStrength{};
   for (int round = 0; round < kRounds; ++round) {
-    model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
+    model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
     measure_leaves(statistics, known, model);
     if (known.full_echo > 0) break;
-    measure_full_echo(statistics, full, model);
+    measure_full_echo(statistics, full,
+                      one_beam ? from_mean_echo(statistics, weakest, model) : from_narrow_echoes(statistics, model),
+                      model);
   }
-  if (one_beam) model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
+  if (one_beam) {
+    model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
+    model.unreturned_share = model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share,
+                                                                    widths_of_leaf(model));
+  }
   return model;
 }
 

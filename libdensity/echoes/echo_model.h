@@ -26,8 +26,9 @@ struct EchoModel {
   double mean_width_m = 0;    ///< of the beams where they met leaves
   /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
   double lost_share = 0;
+  double unreturned_share = 0;  ///< and the share of it whose beams return nothing (unreturned_per_lost())
   /// Of lidars with several beams at a time: optical path of a range resolution around echoes, with which a table says
-  /// what is lost (ReturnedShare). 0: one beam at a time, what is lost follows from `lost_share`.
+  /// what is lost (ReturnedShare). 0: one beam at a time, what is lost follows from these two.
   double resolution_path = 0;
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
@@ -55,10 +56,15 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D
 /// the mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The
-/// other, 10 % off, and taken as 25 % beside the first, is the mean echo of the narrowest third of the beams over the
-/// share of the beam that echoes of random leaves hold (mean_echo_share()). Its error grows with the wood among the
-/// echoes. Detection share: the strength that 2 % of the echoes do not reach, over 1.03. Lidars with several beams at a
-/// time (not sends_one_beam()): the mean echo, the strength that 5 % do not reach, and a resolution_path of 0.6.
+/// other is the mean echo times exp(0.21 − 0.56·weakest/mean + 1.06·(D/s)·exp(−b/0.25 m) + wood), the weakest being the
+/// strength that 2 % of the echoes do not reach, wood that of beams which fall wholly on a post over all echoes; 6 %
+/// off, and 0.8 times the wood. Detection share: the weakest over 1.03 full echoes. What beams without an echo have
+/// met: unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
+///
+/// Lidars with several beams at a time (not sends_one_beam()): only the mean echo, of the narrowest third of the beams,
+/// over the share of the beam that echoes of random leaves hold (mean_echo_share()), 10 % off; the strength that 5 % do
+/// not reach; and a resolution_path of 0.6.
+///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by
 /// exp(0.27 + 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo,

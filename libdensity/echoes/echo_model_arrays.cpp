@@ -23,7 +23,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.resolution_path,
           m.lost_share,
           m.full_echo_per_cosine,
-          m.lacking_share};
+          m.lacking_share,
+          m.unreturned_share};
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
   // The resolution path came with version 3, the lost share with 4, what goes with the cosine with 6, what follows
-  // with 11.
+  // with 11, what beams without an echo have met with 12.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -56,6 +57,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
   if (f.size() > kOldest + 2) m.full_echo_per_cosine = f[kOldest + 2];
   if (f.size() > kOldest + 3) m.lacking_share = f[kOldest + 3];
+  if (f.size() > kOldest + 4) m.unreturned_share = f[kOldest + 4];
+  if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");
   if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");
   return m;

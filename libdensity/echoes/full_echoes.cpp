@@ -203,6 +203,18 @@ Level level_of(std::span<const double> values, double most) {
   return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / n)};
 }
 
+/// Standard deviation of full echoes, those above `most` as if they were that, from a line through their mean, over it.
+double scatter_about(std::span<const FullEcho> echoes, double mean, double per_cosine, double mean_cosine,
+                     double most) {
+  double squares = 0;
+  for (const FullEcho& e : echoes) {
+    const double line = mean + per_cosine * (static_cast<double>(e.cosine) - mean_cosine);
+    const double off = std::min<double>(e.intensity, most) - line;
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(echoes.size())) / mean;
+}
+
 /// Differences between the echoes of which `instrument` is above its median and the others.
 struct Contrast {
   double intensity = 0, cosine = 0;
@@ -288,6 +300,8 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
   const double step = kSphericalMeanCosine - cosine;
   out.intensity = level.mean * (1 + out.slope * step), out.per_cosine = level.mean * out.slope;
   out.error = std::hypot(level.error / level.mean, slope_error * step);
+  out.angle_dependence = std::clamp(out.slope / std::max(kFinest, 1 + out.slope * (1 - cosine)), 0.0, 1.0);
+  out.scatter = scatter_about(echoes, level.mean, out.per_cosine, cosine, kBrightest * middle);
   return out;
 }
 

@@ -44,8 +44,10 @@ struct FullEchoStrength {
                          ///< meet leaves
   double error = 0;      ///< its relative standard error
   double slope = 0;  ///< per unit of the cosine of the angle of incidence, relative to the median of the full echoes
-  double per_cosine = 0;  ///< the same, in units of intensity
-  std::size_t count = 0;  ///< of full echoes that count
+  double per_cosine = 0;        ///< the same, in units of intensity
+  double angle_dependence = 0;  ///< 0 … 1: what that slope means of 1 − this·(1 − cosine)
+  double scatter = 0;           ///< of the full echoes about the slope, standard deviation over their mean
+  std::size_t count = 0;        ///< of full echoes that count
 };
 
 /// A belief about how an echo's intensity depends on the angle of incidence: change per unit of cosine over its median.

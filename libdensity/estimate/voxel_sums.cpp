@@ -10,9 +10,13 @@ namespace rayfield::density {
 namespace {
 
 constexpr int kRounds = 3;
-// What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How well"):
-constexpr double kLostAcross = 2.4, kFadesM = 0.25;    // of the lost share and optical path across, by exp(−b/m)
-constexpr double kCutByEdges = 0.20, kAddedUp = 0.24;  // of the beam's width over a leaf's side; by n
+// What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How it is taken out"):
+// times the unreturned share and the optical path across the row, fading with the range resolution,
+constexpr double kUnreturnedAcross = 2.4, kFadesM = 0.25;
+// the lost share over the optical path across, for wood, and
+constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
+// the beam's width over a leaf's side, less where leaves of a range resolution add up.
+constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
 constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
@@ -128,8 +132,10 @@ class ReturnedOfRow {
     const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
     const double widths = model_.leaf_size_m2 > 0 ? beams.width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
-    const double across = model_.lost_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
-    const double missing = kLostAcross * across + widths * (kCutByEdges - kAddedUp * together);
+    const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
+    const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
+    const double missing =
+        kUnreturnedAcross * unreturned + kLostOfWood * of_wood + kCutByEdges * widths * (1 - kAddedUp * together);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 

@@ -48,24 +48,53 @@ void add_close_pairs(EchoStatistics& statistics) {
         statistics.add_previous_beside();
 }
 
-TEST(EchoModel, FullEchoesGoBeforeTheMeanEcho) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.5);
+// Of one beam at a time: exp(0.21 − 0.56·weakest/mean + 1.06·(D/s)·exp(−b/0.25 m)), what 2 % do not reach being the
+// weakest; wood adds 1 over the echoes for each of a beam that falls wholly on a post.
+TEST(EchoModel, OfOneBeamAFullEchoIsAboveTheMeanByTheWeakestTheWidthAndWood) {
+  const auto full_of = [](double width_m, double range_resolution_m, std::uint64_t wood) {
+    EchoStatistics statistics = whole_leaves(width_m, 0.5);
+    add_close_pairs(statistics);
+    for (std::uint64_t i = 0; i < wood; ++i) statistics.add_wood_echo();
+    EchoKnowledge known = lidar(width_m);
+    known.range_resolution_m = range_resolution_m;
+    return *estimate_echo_model(statistics, known);
+  };
+  const double mean = kFull / 2, weakest = 0.7 + 0.6 * 0.02;  // of 0.7 … 1.3, evenly
+  const auto above = [&](double width_m, double range_resolution_m) {
+    return mean * std::exp(0.21 - 0.56 * weakest + 1.06 * width_m / 0.08 * std::exp(-range_resolution_m / 0.25));
+  };
+  for (const double width_m : {0.015, 0.025, 0.035})  // middles of bins
+    for (const double range_resolution_m : {0.1, 0.3})
+      EXPECT_NEAR(full_of(width_m, range_resolution_m, 0).full_echo, above(width_m, range_resolution_m), 0.003 * kFull);
+  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo, above(0.025, 0.1) * std::exp(1.0 / 20), 0.003 * kFull);
+  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(0.06, 0.8 / 20, 1.5 / 20), 1e-3);
+}
+
+TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {
+  EchoStatistics statistics = whole_leaves(0.025, 0.5);
   add_close_pairs(statistics);
-  const auto from_mean = estimate_echo_model(statistics, lidar(0.03));
-  for (int i = 0; i < 400; ++i) {
-    const auto cosine = static_cast<float>(0.6 + 0.001 * i);
-    FullEcho full{static_cast<std::uint16_t>(kFull), 0.01F, cosine};
-    full.half_cosine.fill({cosine, cosine});
-    statistics.add_full_echoes(std::vector{full});
-  }
-  const auto model = estimate_echo_model(statistics, lidar(0.03));
-  EXPECT_NEAR(model->full_echo, kFull, 0.02 * kFull);  // the mean echo alone says less
-  EXPECT_LT(model->full_echo_error, from_mean->full_echo_error);
+  const auto of_mean = estimate_echo_model(statistics, lidar(0.025));
+  const auto with_full = [&](std::size_t count) {
+    EchoStatistics more = statistics;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto cosine = static_cast<float>(0.6 + 0.4 * static_cast<double>(i) / static_cast<double>(count));
+      const double off = 700 * std::sin(2.4 * static_cast<double>(i));  // a scatter of a sixth
+      FullEcho full{static_cast<std::uint16_t>(kFull + off), 0.01F, cosine};
+      full.half_cosine.fill({cosine, cosine});
+      more.add_full_echoes(std::vector{full});
+    }
+    return estimate_echo_model(more, lidar(0.025))->full_echo;
+  };
+  EXPECT_EQ(with_full(9), of_mean->full_echo);
+  const double few = with_full(12), many = with_full(4000);
+  EXPECT_NEAR(many, kFull, 0.06 * kFull);
+  EXPECT_GT(std::abs(few - of_mean->full_echo), 0.2 * std::abs(many - of_mean->full_echo));
+  EXPECT_LT(std::abs(few - of_mean->full_echo), 0.8 * std::abs(many - of_mean->full_echo));
 }
 
 // Beams that fall wholly on a leaf are rare where they are as wide, and many that look like it are not.
 TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
-  const auto full_of = [](double width_m, double detection_share, double range_resolution_m) {
+  const auto model_of = [](double width_m, double detection_share, double range_resolution_m) {
     EchoStatistics statistics = whole_leaves(width_m, 0.5);
     add_close_pairs(statistics);
     for (int i = 0; i < 4000; ++i) {
@@ -76,15 +105,23 @@ TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
     }
     EchoKnowledge known = lidar(width_m);
     known.beam.detection_share = detection_share, known.range_resolution_m = range_resolution_m;
-    return estimate_echo_model(statistics, known)->full_echo;
+    return *estimate_echo_model(statistics, known);
   };
-  const double narrow = full_of(0.004, 0.25, 0.15), wide = full_of(0.044, 0.25, 0.15);
-  // 1.8·(D/s)^2.5·exp(−b/0.15 − t/0.3) with D = 45 mm (its bin's middle), s = 80 mm; the mean echo counts 1 %.
-  const double lacks = 1.8 * std::pow(0.045 / 0.08, 2.5) * std::exp(-1 - 0.25 / 0.3);
-  EXPECT_NEAR(narrow, kFull, 0.01 * kFull);
-  EXPECT_NEAR(wide, kFull / (1 - lacks), 0.015 * kFull);
-  EXPECT_LT(full_of(0.044, 0.4, 0.15), wide);
-  EXPECT_LT(full_of(0.044, 0.25, 0.3), wide);
+  for (const double width_m : {0.005, 0.025, 0.045})  // middles of bins; s = 80 mm
+    for (const double detection_share : {0.25, 0.4})
+      for (const double range_resolution_m : {0.15, 0.3}) {
+        const EchoModel model = model_of(width_m, detection_share, range_resolution_m);
+        const double lacks =
+            1.8 * std::pow(width_m / 0.08, 2.5) * std::exp(-range_resolution_m / 0.15 - detection_share / 0.3);
+        EXPECT_NEAR(model.lacking_share, lacks, 1e-3);
+        // The mean echo counts by its error of 6 %, full ones by 2 % and half of what they lack.
+        const double full_weight = 1 / (0.02 * 0.02 + 0.25 * lacks * lacks), mean_weight = 1 / (0.06 * 0.06);
+        const double of_mean =
+            kFull / 2 * std::exp(0.21 - 0.56 * 0.712 + 1.06 * width_m / 0.08 * std::exp(-range_resolution_m / 0.25));
+        const double expected =
+            (full_weight * kFull / (1 - lacks) + mean_weight * of_mean) / (full_weight + mean_weight);
+        EXPECT_NEAR(model.full_echo, expected, 0.01 * kFull);
+      }
 }
 
 // Leaves that lie flat are met at a smaller cosine by level rays, and their full echo is weaker.
@@ -191,7 +228,10 @@ TEST(EchoModel, TheLostShareDoesNotGoWithTheUnitOfIntensities) {
     for (int i = 0; i < 100000; ++i) statistics.add_previous_beside();
     EchoKnowledge known = lidar(0.03);
     known.full_echo = full, known.beam.detection_share = 0.25;
-    return estimate_echo_model(statistics, known)->lost_share;
+    const auto model = estimate_echo_model(statistics, known);
+    EXPECT_GT(model->unreturned_share, 0.7 * model->lost_share);  // 0.83 and more: dark leaves hide more than they lack
+    EXPECT_LT(model->unreturned_share, 1.5 * model->lost_share);
+    return model->lost_share;
   };
   // Echoes per unit of strength are 1/0.75 of all, their mean strength is 0.625: 1.2·f·t²/2 beside 0.625.
   const double pieces = 1.2 / 0.75 * 0.25 * 0.25 / 2, expected = pieces / (0.625 + pieces);

@@ -108,8 +108,17 @@ TEST(FullEchoStrength, IsThatOfRaysThatMeetLeavesOfAllOrientations) {
     const FullEchoStrength s = full_echo_strength(full_echoes(dark, 0.05, 4000), unknown);
     EXPECT_NEAR(s.intensity, 1000 * (1 - dark / 3), 15) << dark;
     EXPECT_NEAR(s.slope, dark / (1 - dark * 0.18), 0.12) << dark;
+    EXPECT_NEAR(s.angle_dependence, dark, 0.08) << dark;
     EXPECT_LT(s.error, 0.02);
   }
+}
+
+TEST(FullEchoStrength, TellsTheScatterBesideTheAngle) {
+  const AngleDependence unknown{0.35, 5};
+  for (const double scatter : {0.05, 0.15, 0.3})
+    EXPECT_NEAR(full_echo_strength(full_echoes(0, scatter, 4000), unknown).scatter, scatter, 0.01) << scatter;
+  // Angles are known to 0.15, which leaves 0.04 of a dependence of 0.4 unexplained.
+  EXPECT_NEAR(full_echo_strength(full_echoes(0.4, 0.15, 4000), unknown).scatter, std::hypot(0.15, 0.04), 0.02);
 }
 
 TEST(FullEchoStrength, WhereEchoesScatterTheBeliefCounts) {

@@ -29,11 +29,14 @@ Voxel voxel_with(double share, double width_m) {
   return v;
 }
 
-/// Of a lidar with one beam at a time that does not see `lost` of what leaves take; they are large beside the beam.
+/// Of a lidar with one beam at a time that does not see `lost` of what leaves take, with kHidden times of it behind
+/// beams that return nothing; leaves are large beside the beam.
+constexpr double kHidden = 1.3;
 EchoModel model_of(double lost) {
   EchoModel model;
   model.full_echo = kFull, model.detection_share = kShare, model.leaf_size_m2 = 1e6, model.echo_variation = 0.2;
   model.range_resolution_m = kResolution, model.mean_width_m = 0.04, model.lost_share = lost;
+  model.unreturned_share = kHidden * lost;
   return model;
 }
 
@@ -42,11 +45,13 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
   return wide_beam_sums(std::vector{v.counters}, std::vector{v.echoes}, {1, 1, kVoxel}, model).at(0);
 }
 
-/// By what the path is too long where `lost` of what leaves take is in no echo, in a row of which the voxel is all
-/// there is across: docs/beams.md, "How it is taken out".
-double through(const VoxelSums& s, double lost, double resolution_m = kResolution) {
-  return std::exp(-2.4 * lost * s.hits / s.path * std::exp(-resolution_m / 0.25));
+/// By what the path is too long where `lost` of what leaves take is in no echo, in a row with that optical path across:
+/// docs/beams.md, "How it is taken out".
+double through(double lost, double across, double resolution_m = kResolution) {
+  const double hidden = 2.4 * kHidden * lost * across * std::exp(-resolution_m / 0.25);
+  return std::exp(-hidden - 0.6 * lost / std::max(0.3, across));
 }
+double across(const VoxelSums& s) { return s.hits / s.path; }  // of a row of which the voxel is all there is
 
 TEST(VoxelSums, ThinRaysAreTakenAsCounted) {
   const VoxelCounters c = voxel_with(1, 0).counters;
@@ -82,7 +87,7 @@ TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) 
     model.range_resolution_m = resolution_m;
     const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
     EXPECT_EQ(s.hits, all.hits);
-    EXPECT_NEAR(s.path / through(s, 0.1, resolution_m), all.path, 0.01);
+    EXPECT_NEAR(s.path / through(0.1, across(s), resolution_m), all.path, 0.02);
   }
 }
 
@@ -95,7 +100,7 @@ TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
     const VoxelSums s = sums_of(voxel_with(0.5, width_m), model);
     const double together = s.hits / s.path / kVoxel * kResolution;
     EXPECT_EQ(s.hits, all.hits);
-    EXPECT_NEAR(s.path, all.path * std::exp(-width_m / kSide * (0.20 - 0.24 * together)), 0.01);
+    EXPECT_NEAR(s.path, all.path * std::exp(-width_m / kSide * 0.10 * (1 - 1.5 * together)), 0.01);
   }
 }
 
@@ -108,8 +113,21 @@ TEST(VoxelSums, TheThickerTheRowTheMoreIsMissing) {
   const auto behind = wide_beam_sums(counters, echoes, {2, 1, kVoxel}, model_of(kLost));
   const auto above = wide_beam_sums(counters, echoes, {1, 2, kVoxel}, model_of(kLost));
   const double outside = 8 + 0.5 * 1.5;
-  EXPECT_NEAR(behind[0].path, outside * through(behind[0], 2 * kLost), 0.01);
-  EXPECT_NEAR(above[0].path, outside * through(above[0], kLost), 0.01);
+  EXPECT_NEAR(behind[0].path, outside * through(kLost, 2 * across(behind[0])), 0.03);
+  EXPECT_NEAR(above[0].path, outside * through(kLost, across(above[0])), 0.03);
+}
+
+// What is lost of wood is shared among the leaves there are.
+TEST(VoxelSums, TheLessLeavesTheMoreOfWhatIsMissingIsWood) {
+  EchoModel model = model_of(0.1);
+  model.unreturned_share = 0;
+  const VoxelSums few = sums_of(voxel_with(0.5, 0.04), model);
+  Voxel dense = voxel_with(1, 0.04);
+  dense.counters.path = static_cast<std::int64_t>(2 / VoxelCounters::kUnit);
+  const VoxelSums many = sums_of(dense, model), all = sums_of(dense, model_of(0));
+  ASSERT_GT(across(many), 1);
+  EXPECT_NEAR(few.path, (8 + 0.5 * 1.5) * std::exp(-0.6 * 0.1 / 0.3), 0.02);
+  EXPECT_NEAR(many.path, all.path * std::exp(-0.6 * 0.1 / across(many)), 0.02);
 }
 
 // Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.
@@ -123,9 +141,11 @@ TEST(VoxelSums, TheThicknessIsThatOfThePlace) {
     const Voxel& v = along < 40 ? dense : bare;
     counters.push_back(v.counters), echoes.push_back(v.echoes);
   }
-  const auto sums = wide_beam_sums(counters, echoes, {1, 1, kVoxel}, model_of(0.1));
-  EXPECT_NEAR(sums[0].path, sums_of(dense, model_of(0.1)).path, 1e-3);
-  EXPECT_NEAR(sums[79].path, sums_of(bare, model_of(0.1)).path, 1e-3);
+  EchoModel model = model_of(0.1);
+  model.lost_share = 0;  // of wood, which counts the more the less leaves there are
+  const auto sums = wide_beam_sums(counters, echoes, {1, 1, kVoxel}, model);
+  EXPECT_NEAR(sums[0].path, sums_of(dense, model).path, 1e-3);
+  EXPECT_NEAR(sums[79].path, sums_of(bare, model).path, 1e-3);
   EXPECT_GT(sums[39].path, sums[0].path);
 }
 
