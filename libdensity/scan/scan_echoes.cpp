@@ -18,8 +18,10 @@ namespace {
 
 constexpr double kTypicalRangeM = 2;  // from a lane to the row beside it
 constexpr double kThinM = 0.003;      // diameter there
-// Relative error where echoes are counted as hits, by the diameter there: canes are a few millimetres thick.
-constexpr double kCountedErrorPerM = 20, kMostCountedError = 0.4;
+// Relative error where echoes are counted as hits, by the diameter there: canes are a few millimetres thick. Narrow
+// beams of low detection shares find twice of them, wide ones of high shares half (docs/beams.md, "How far it can be
+// trusted").
+constexpr double kCountedErrorPerM = 35, kMostCountedError = 0.55;
 constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 constexpr double kModelError = 0.055;   // and where they are weighed
 
