@@ -156,12 +156,16 @@ struct Strength {
   double weight() const { return 1 / (error * error); }
 };
 
+/// What the beams' width makes of ln of a full echo over the mean one.
+double width_above_mean(const EchoModel& model) {
+  return kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM);
+}
+
 /// The full echo that the mean of all echoes stands for: of one lidar's beam (docs/beams.md, "How it is taken out"),
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
-  const double above = kAboveMean + kWeakestAboveMean * weakest / mean +
-                       kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM) +
-                       kWoodAboveMean * wood;
+  const double above =
+      kAboveMean + kWeakestAboveMean * weakest / mean + width_above_mean(model) + kWoodAboveMean * wood;
   return {mean * std::exp(above), std::hypot(kMeanEchoError, kWoodInMeanEcho * wood)};
 }
 
@@ -185,6 +189,7 @@ LeafBrightness brightness_of(const FullEchoStrength& full, const EchoModel& mode
 void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, const Strength& of_mean,
                        EchoModel& model) {
   model.full_echo = of_mean.intensity, model.full_echo_error = of_mean.error;
+  model.mean_echo_weight = model.resolution_path > 0 ? 0 : 1;
   if (full.count >= kEnoughFull) {
     model.lacking_share = lacking_of(model);
     const Strength of_full{full.intensity / (1 - model.lacking_share),
@@ -192,6 +197,7 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
     const double weights = of_full.weight() + of_mean.weight();
     model.full_echo = (of_full.weight() * of_full.intensity + of_mean.weight() * of_mean.intensity) / weights;
     model.full_echo_error = 1 / std::sqrt(weights);
+    model.mean_echo_weight = of_mean.weight() / weights;
     model.full_echo_per_cosine = of_full.weight() / weights * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
@@ -200,12 +206,12 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
 }  // namespace
 
 EchoModel with_aspect(EchoModel model, const LeafAspect& aspect) {
-  const double before = model.full_echo;
+  const double before = model.full_echo, width_before = width_above_mean(model), lacking_before = model.lacking_share;
   if (model.leaf_size_from == LeafSizeFrom::pairs) model.leaf_size_m2 /= aspect.apparent_side * aspect.apparent_side;
-  if (model.lacking_share > 0) {
-    const double lacking = lacking_of(model);
-    model.full_echo *= (1 - model.lacking_share) / (1 - lacking), model.lacking_share = lacking;
-  }
+  if (lacking_before > 0) model.lacking_share = lacking_of(model);
+  const double of_full = (1 - lacking_before) / (1 - model.lacking_share);
+  const double of_mean = std::exp(width_above_mean(model) - width_before);
+  model.full_echo *= of_full + model.mean_echo_weight * (of_mean - of_full);
   model.full_echo += model.full_echo_per_cosine * (aspect.mean_cosine - kSphericalMeanCosine);
   model.full_echo = std::max(kWeakestFullEcho * before, model.full_echo);
   if (!model.beam.detection_share)

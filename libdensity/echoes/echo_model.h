@@ -33,10 +33,13 @@ struct EchoModel {
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
   double lacking_share = 0;  ///< of full echoes, which the full echo has been made up for
+  /// By which the full echo is from the mean echo of one beam at a time, and not from full ones.
+  double mean_echo_weight = 0;
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are
-/// as much larger as they look too small, where they were measured, and full echoes lack so much less.
+/// as much larger as they look too small, where they were measured, so that full echoes lack less and the mean echo
+/// holds more of one.
 EchoModel with_aspect(EchoModel model, const LeafAspect& aspect);
 
 /// What is known beforehand.

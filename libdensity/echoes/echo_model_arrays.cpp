@@ -24,7 +24,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.lost_share,
           m.full_echo_per_cosine,
           m.lacking_share,
-          m.unreturned_share};
+          m.unreturned_share,
+          m.mean_echo_weight};
 }
 
 }  // namespace
@@ -43,7 +44,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
   // The resolution path came with version 3, the lost share with 4, what goes with the cosine with 6, what follows
-  // with 11, what beams without an echo have met with 12.
+  // with 11, what beams without an echo have met and the mean echo's weight
+  // with 12.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -58,6 +60,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (f.size() > kOldest + 2) m.full_echo_per_cosine = f[kOldest + 2];
   if (f.size() > kOldest + 3) m.lacking_share = f[kOldest + 3];
   if (f.size() > kOldest + 4) m.unreturned_share = f[kOldest + 4];
+  if (f.size() > kOldest + 5) m.mean_echo_weight = f[kOldest + 5];
+  if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");
   if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");
   if (!(m.full_echo > 0)) return damaged(arrays, "the full echo is 0");

@@ -9,7 +9,7 @@ namespace {
 
 // Each number another one, so that none can stand in another's place.
 EchoModel model_of(double lost_share, double resolution_path, double per_cosine = 0, double lacking = 0,
-                   double unreturned = 0) {
+                   double unreturned = 0, double mean_weight = 0) {
   EchoModel model;
   model.beam = {0.0136, 0.0119, {}};
   model.range_resolution_m = 0.15, model.full_echo = 106, model.full_echo_error = 0.04, model.detection_share = 0.25;
@@ -17,6 +17,7 @@ EchoModel model_of(double lost_share, double resolution_path, double per_cosine 
   model.mean_width_m = 0.041;
   model.lost_share = lost_share, model.resolution_path = resolution_path, model.full_echo_per_cosine = per_cosine;
   model.lacking_share = lacking, model.unreturned_share = unreturned;
+  model.mean_echo_weight = mean_weight;
   return model;
 }
 
@@ -36,10 +37,11 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.full_echo_per_cosine, b.full_echo_per_cosine);
   EXPECT_EQ(a.lacking_share, b.lacking_share);
   EXPECT_EQ(a.unreturned_share, b.unreturned_share);
+  EXPECT_EQ(a.mean_echo_weight, b.mean_echo_weight);
 }
 
 TEST(EchoModelArrays, GiveBackTheModelOfLidarsWithOneBeamAndWithSeveral) {
-  for (const EchoModel& model : {model_of(0.044, 0, 60, 0.03, 0.05), model_of(0.044, 0, -3), model_of(0, 0.6)}) {
+  for (const EchoModel& model : {model_of(0.044, 0, 60, 0.03, 0.05, 0.2), model_of(0.044, 0, -3), model_of(0, 0.6)}) {
     const auto read = echo_model_from_arrays(arrays_from_echo_model(model));
     ASSERT_TRUE(read) << read.error().line();
     ASSERT_TRUE(*read);
@@ -54,8 +56,11 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 }
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
-  std::vector<double> numbers = model_numbers(model_of(0.044, 0.6, 60, 0.03, 0.05));
+  std::vector<double> numbers = model_numbers(model_of(0.044, 0.6, 60, 0.03, 0.05, 0.2));
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6, 60, 0.03, 0.05));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6, 60, 0.03));
@@ -75,7 +80,7 @@ TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
 
 TEST(EchoModelArrays, ThatCannotBeAreRefused) {
   const std::vector<double> good = model_numbers(model_of(0.044, 0));
-  std::vector<std::vector<double>> wrong(8, good);
+  std::vector<std::vector<double>> wrong(9, good);
   wrong[0].resize(9);
   wrong[1].push_back(1);
   wrong[2][3] = -1;
@@ -84,6 +89,7 @@ TEST(EchoModelArrays, ThatCannotBeAreRefused) {
   wrong[5][4] = 3;  // where the size of the leaves is from
   wrong[6][13] = 1;
   wrong[7][14] = -0.01;
+  wrong[8][15] = 1.01;
   for (const std::vector<double>& numbers : wrong) {
     tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
     arrays.columns["model"] = numbers;

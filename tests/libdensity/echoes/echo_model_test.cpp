@@ -149,6 +149,9 @@ TEST(EchoModel, LeavesThatLieFlatAreLargerThanTheyLook) {
   EXPECT_NEAR(flat.leaf_size_m2, 0.0064, 1e-9);
   EXPECT_NEAR(flat.full_echo, 100 * (1 - lacking(0.06)) / (1 - lacking(0.08)), 1e-6);
   EXPECT_NEAR(flat.lacking_share, lacking(0.08), 1e-9);
+  model.mean_echo_weight = 0.4;  // 1.06·(D/s)·exp(−b/0.25 m)
+  const double of_mean = std::exp(1.06 * (0.03 / 0.08 - 0.03 / 0.06) * std::exp(-0.15 / 0.25));
+  EXPECT_NEAR(with_aspect(model, {2.0 / 3, 0.75}).full_echo, 0.6 * flat.full_echo + 0.4 * 100 * of_mean, 1e-6);
   model.leaf_size_from = LeafSizeFrom::options;
   EXPECT_EQ(with_aspect(model, {2.0 / 3, 0.75}).leaf_size_m2, 0.0036);
   EXPECT_NEAR(with_aspect(model, {2.0 / 3, 0.75}).full_echo, 100, 1e-9);
