@@ -161,7 +161,7 @@ double width_above_mean(const EchoModel& model) {
   return kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM);
 }
 
-/// The full echo that the mean of all echoes stands for: of one lidar's beam (docs/beams.md, "How it is taken out"),
+/// The full echo that the mean of all echoes of one lidar's beam stands for (docs/beams.md, "How it is taken out").
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
   const double above =
@@ -169,7 +169,7 @@ Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const 
   return {mean * std::exp(above), std::hypot(kMeanEchoError, kWoodInMeanEcho * wood)};
 }
 
-/// and of lidars with several beams at a time, from the narrowest of them and random leaves.
+/// The same of lidars with several beams at a time, from the narrowest beams and random leaves.
 Strength from_narrow_echoes(const EchoStatistics& statistics, const EchoModel& model) {
   const Bins near = narrowest(statistics.all());
   const double side_m = std::sqrt(model.leaf_size_m2);
