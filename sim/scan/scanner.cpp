@@ -131,9 +131,9 @@ void Scanner::render_scan(std::size_t index, bool want_rays, WideBeam::Bundle& b
     scan.range_m.push_back(range), scan.intensity.push_back(intensity);
     ++out.counts.beams;
     const bool valid = std::isfinite(range);
-    const bool free_sky = !hit && shot.direction.z() > 0;
-    ++(valid ? out.counts.hits : free_sky ? out.counts.no_returns : out.counts.dropped);
-    if (!want_rays || !(valid || free_sky)) continue;
+    const bool kept_miss = !hit && (shot.direction.z() > 0 || lidar.keeps_downward_misses);
+    ++(valid ? out.counts.hits : kept_miss ? out.counts.no_returns : out.counts.dropped);
+    if (!want_rays || !(valid || kept_miss)) continue;
     const double length = valid ? static_cast<double>(range) : lidar.max_range_m;
     out.rays.push(map_(shot.origin), map_(shot.origin + length * shot.direction), drive_.start_time_s + t,
                   static_cast<std::uint16_t>(intensity), valid);

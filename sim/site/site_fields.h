@@ -117,6 +117,7 @@ void visit_sensors(V& v, Site& s) {
   v.number("max_range_m", s.lidar.max_range_m, 1, 300);
   v.number("range_noise_m", s.lidar.range_noise_m, 0, 0.5);
   v.number("dropout_fraction", s.lidar.dropout_fraction, 0, 1);
+  v.flag("keeps_downward_misses", s.lidar.keeps_downward_misses);
   v.number("beam_diameter_m", s.lidar.beam_diameter_m, 0, 0.2);
   v.number("divergence_mrad", s.lidar.divergence_mrad, 0, 50);
   v.number("divergence_z_mrad", s.lidar.divergence_z_mrad, 0, 50);

@@ -84,6 +84,21 @@ TEST(Simulate, ShotsWithoutAReturnBecomeUpwardRaysOfMaximumRange) {
   EXPECT_EQ(record.summary.beams, record.summary.hits + record.summary.no_returns + record.summary.dropped);
 }
 
+TEST(Simulate, ASiteMayKeepDownwardShotsWithoutAReturn) {
+  Site site = small_site();
+  site.terrain.slope_percent = 15;
+  const RecordedDrive dropped(site);
+  site.lidar.keeps_downward_misses = true;
+  const RecordedDrive kept(site);
+  std::uint64_t downward = 0;
+  for (std::size_t i = 0; i < kept.rays.size(); ++i)
+    if (kept.rays.hit[i] == 0 && kept.rays.end[i].z() < kept.rays.origin[i].z()) ++downward;
+  EXPECT_GT(downward, 100u);
+  // Rays that are level to within the float of a direction count either way.
+  EXPECT_NEAR(static_cast<double>(kept.rays.size()), static_cast<double>(dropped.rays.size() + downward), 5);
+  EXPECT_EQ(kept.summary.hits, dropped.summary.hits);
+}
+
 TEST(Simulate, RangesAreAsNoisyAsStatedAndDropOutsAsFrequent) {
   Site site = small_site();
   site.lidar.range_noise_m = site.lidar.dropout_fraction = 0;

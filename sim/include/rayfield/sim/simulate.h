@@ -24,7 +24,7 @@ struct SimulationSummary {
   std::uint64_t imu_samples = 0, gps_fixes = 0, spinner_angles = 0, lidar_messages = 0;
   std::uint64_t beams = 0;       ///< shots of the lidar
   std::uint64_t hits = 0;        ///< rays that ended at a surface
-  std::uint64_t no_returns = 0;  ///< rays to max_range_m (upward)
+  std::uint64_t no_returns = 0;  ///< rays to max_range_m (upward; downward where the site keeps them)
   std::uint64_t dropped = 0;     ///< invalid, too close, or downward without a return: not among the rays
 };
 

@@ -120,9 +120,12 @@ struct SiteLidar {
   double max_range_m = 40;
   double range_noise_m = 0.012;     ///< standard deviation
   double dropout_fraction = 0.002;  ///< returns reported as NaN
-  double beam_diameter_m = 0;       ///< of the beam where it leaves the lidar
-  double divergence_mrad = 0;       ///< full angle of the beam, in the lidar's x–y plane
-  double divergence_z_mrad = 0;     ///< full angle across that plane; 0: the beam is round
+  /// Whether the ray cloud of true poses holds downward shots without a return, as that of a registered log does. Most
+  /// clouds of others do not.
+  bool keeps_downward_misses = false;
+  double beam_diameter_m = 0;    ///< of the beam where it leaves the lidar
+  double divergence_mrad = 0;    ///< full angle of the beam, in the lidar's x–y plane
+  double divergence_z_mrad = 0;  ///< full angle across that plane; 0: the beam is round
   EnergyProfile energy_profile = EnergyProfile::uniform;
   double detection_share = 0.25;  ///< of the beam's energy that has to fall on leaves to make an echo
   Detection detection = Detection::covered_share;
