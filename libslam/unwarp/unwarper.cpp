@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/input/lidar_assembler.h"
+#include "libslam/unwarp/open_directions.h"
 
 namespace rayfield::slam {
 
@@ -15,11 +16,24 @@ std::vector<std::string> UnwarpCounts::lines() const {
     if (count > 0) out.push_back(fmt::format("{} {}", count, what));
   };
   add(invalid, "points that are NaN or closer than the lidar's minimum range dropped");
-  add(downward_no_return, "downward rays without a return dropped (their length is unknown)");
+  add(downward_no_return, "downward rays without a return dropped (adding the cloud restores them)");
+  add(downward_kept, "downward rays without a return kept: empty down to the ground");
+  add(stopped_by_vehicle, "downward rays dropped in directions from which hardly anything returns (the vehicle)");
   add(outside_trajectory, "points measured outside the trajectory dropped");
   add(without_angle, "scans without an encoder angle dropped");
   return out;
 }
+
+namespace {
+
+/// A scanner that turns one beam in a plane.
+bool scans_a_plane(const LidarScan& scan) {
+  constexpr float kPlaneSine = 1e-3F;
+  return std::all_of(scan.direction.begin(), scan.direction.end(),
+                     [](const Eigen::Vector3f& d) { return std::abs(d.z()) < kPlaneSine; });
+}
+
+}  // namespace
 
 struct Unwarper::Impl {
   Rig rig;
@@ -29,6 +43,8 @@ struct Unwarper::Impl {
   std::size_t batch_rays;
   RayBatch batch;
   UnwarpCounts counts;
+  OpenDirections directions;
+  bool several_beams = false;
   Result<void> state;
   std::size_t cursor = 0;
 
@@ -46,6 +62,13 @@ struct Unwarper::Impl {
     batch.clear();
   }
 
+  // A beam that pointed down and came back with nothing.
+  bool keep_downward(const Eigen::Vector3d& direction) {
+    if (!several_beams) return ++counts.downward_no_return, false;
+    if (!directions.open(direction)) return ++counts.stopped_by_vehicle, false;
+    return ++counts.downward_kept, true;
+  }
+
   // Makes rays of one scan; directions and lever arms become lengths on the grid.
   void place(const BodyScan& scan) {
     const Eigen::Array3d scale(trajectory.horizontal_scale, trajectory.horizontal_scale, 1);
@@ -57,10 +80,8 @@ struct Unwarper::Impl {
       }
       const bool hit = std::isfinite(scan.range_m[k]);
       const Eigen::Vector3d direction = pose.rotation * scan.direction[k];
-      if (!hit && direction.z() <= 0) {
-        ++counts.downward_no_return;
-        continue;
-      }
+      directions.add(scan.direction[k], hit);
+      if (!hit && direction.z() <= 0 && !keep_downward(scan.direction[k])) continue;
       const double range = hit ? static_cast<double>(scan.range_m[k]) : rig.lidar.max_range_m;
       const Eigen::Vector3d arm = pose.rotation * scan.origin[k];
       const Eigen::Vector3d origin = pose.translation + (scale * arm.array()).matrix();
@@ -92,6 +113,7 @@ void Unwarper::spinner(const SpinnerAngle& angle) {
 
 void Unwarper::lidar(const LidarScan& scan) {
   if (!impl_->state) return;
+  if (!scans_a_plane(scan)) impl_->several_beams = true;
   impl_->assembler.add(scan);
   impl_->drain(false);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tests/libslam/synthetic_scene.h"
@@ -58,7 +59,7 @@ struct Fixture {
   }
 };
 
-TEST(Unwarper, KeepsUpwardRaysWithoutReturnAtFullLengthAndDropsDownwardOnes) {
+TEST(Unwarper, KeepsUpwardRaysWithoutReturnAtFullLength) {
   const Fixture f;
   RayBatch rays;
   Unwarper unwarper(f.rig, f.level, {}, [&](const RayBatch& b) -> Result<void> {
@@ -76,8 +77,49 @@ TEST(Unwarper, KeepsUpwardRaysWithoutReturnAtFullLengthAndDropsDownwardOnes) {
     EXPECT_EQ(rays.intensity[k], 0);
     EXPECT_LT((rays.end[k] - Eigen::Vector3d(524, 600, 39)).norm(), 1e-4);
   }
-  EXPECT_EQ(unwarper.counts().downward_no_return, 2u);
+  EXPECT_EQ(unwarper.counts().stopped_by_vehicle, 2u);  // nothing has come back from down there yet
   EXPECT_EQ(unwarper.counts().invalid, 3u);
+}
+
+TEST(Unwarper, OfSeveralBeamsKeepsDownwardRaysWhereSomethingReturnsNowAndThen) {
+  Fixture f;
+  const Eigen::Vector3f open(0.6f, 0, -0.8f), bonnet(0.8f, 0, -0.6f);
+  const float inf = std::numeric_limits<float>::infinity();
+  const auto beam = [&](const Eigen::Vector3f& direction, float range) {
+    f.scan.direction.push_back(direction), f.scan.range_m.push_back(range);
+    f.scan.time_offset_s.push_back(0.0f), f.scan.intensity.push_back(100.0f);
+  };
+  f.scan.direction.clear(), f.scan.range_m.clear(), f.scan.time_offset_s.clear(), f.scan.intensity.clear();
+  for (int k = 0; k < 40; ++k) beam(open, k % 4 == 0 ? 5.0f : inf), beam(bonnet, inf);
+  std::size_t misses = 0;
+  Unwarper unwarper(f.rig, f.level, {}, [&](const RayBatch& rays) -> Result<void> {
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      if (rays.hit[k] != 0) continue;
+      ++misses;
+      EXPECT_LT((rays.end[k] - Eigen::Vector3d(524, 600, -25)).norm(), 1e-4);  // at full length, below the ground
+    }
+    return {};
+  });
+  unwarper.lidar(f.scan);
+  ASSERT_TRUE(unwarper.finish());
+  EXPECT_EQ(misses, 16u);  // of the 20th beam and later
+  EXPECT_EQ(unwarper.counts().downward_kept, misses);
+  EXPECT_EQ(unwarper.counts().stopped_by_vehicle, 14u + 40u);
+}
+
+// The same fan of beams in the plane that the lidar turns in: adding the cloud restores what is missing.
+TEST(Unwarper, OfOneBeamInAPlaneDropsDownwardRaysWithoutReturn) {
+  Fixture f;
+  const Eigen::Quaterniond on_its_side(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX()));
+  for (auto& pose : f.level.poses) pose.map_from_body.rotation = on_its_side;
+  for (Eigen::Vector3f& d : f.scan.direction) d = Eigen::Vector3f(d.x(), d.z(), 0);
+  const LidarScan scan = f.scan;
+  Unwarper unwarper(f.rig, f.level, {}, [](const RayBatch&) -> Result<void> { return {}; });
+  for (int k = 0; k < 30; ++k) unwarper.lidar(scan);
+  ASSERT_TRUE(unwarper.finish());
+  EXPECT_EQ(unwarper.counts().rays, unwarper.counts().hits * 3);  // two upward without a return for each hit
+  EXPECT_EQ(unwarper.counts().downward_no_return, 2 * unwarper.counts().hits);
+  EXPECT_EQ(unwarper.counts().downward_kept + unwarper.counts().stopped_by_vehicle, 0u);
 }
 
 TEST(Unwarper, StretchesGroundLengthsByTheMapScaleAndLeavesHeightsAlone) {
