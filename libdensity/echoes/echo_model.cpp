@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "libdensity/echoes/echo_loss.h"
 #include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/unreturned_beams.h"
 
@@ -15,15 +14,13 @@ constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kNearShare = 0.3;       // of the echoes: those of the narrowest beams
 constexpr double kFullError = 0.02;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
-// Of one lidar's beam, ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
+// ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
 // reach, for each side of a leaf that beams are wide (falls with the range resolution), and for wood among the leaves
 // (over leafiness); relative errors of what comes of it, beside wood and of wood.
 constexpr double kAboveMean = 0.21, kWeakestAboveMean = -0.56, kWidthAboveMean = 1.06, kFadesM = 0.25;
 constexpr double kWoodAboveMean = 1.0, kMeanEchoError = 0.06, kWoodInMeanEcho = 0.8;
-constexpr double kMeanError = 0.10;  // of lidars with several beams at a time, whose full echoes are not asked
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
@@ -33,8 +30,9 @@ constexpr double kMostAngleDependence = 0.9;     // a blade is not so flat that 
 constexpr double kWeakestShare = 0.02;           // of the echoes lie below the detection share,
 constexpr double kWeakest = 1.03;                // nearly: where they begin, in detection shares
 constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
-constexpr double kSeveralBeamsWeakestShare = 0.05, kSeveralBeamsWeakest = 1;
-constexpr double kSeveralBeamsResolutionPath = 0.6;
+// What else is off where several beams go out at a time, the law being one beam's: many such lidars report the
+// strongest echo, and what weaker ones before it took nothing tells.
+constexpr double kSeveralBeamsError = 0.08;
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
 // beam of kSmearM adds and what a metre of range resolution takes away.
 constexpr double kSmearM = 0.060, kUnmixed = 0.27, kSmear = 1.02, kMixedPerM = 3.03, kMostMixedM = 0.4;
@@ -55,18 +53,6 @@ double mean_width(const Bins& bins) {
     n += count, sum += count * width_of(b);
   }
   return n > 0 ? sum / n : 0;
-}
-
-/// The narrowest bins, as many as hold kNearShare of the echoes; the others empty.
-Bins narrowest(const Bins& bins) {
-  std::int64_t total = 0, taken = 0;
-  for (const auto& bin : bins) total += bin.count;
-  Bins out{};
-  for (std::size_t b = 0; b < bins.size(); ++b) {
-    if (static_cast<double>(taken) >= kNearShare * static_cast<double>(total)) break;
-    out[b] = bins[b], taken += bins[b].count;
-  }
-  return out;
 }
 
 EchoStatistics::Sum sum_of(const Bins& bins) {
@@ -161,20 +147,12 @@ double width_above_mean(const EchoModel& model) {
   return kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM);
 }
 
-/// The full echo that the mean of all echoes of one lidar's beam stands for (docs/beams.md, "How it is taken out").
+/// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out").
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
   const double above =
       kAboveMean + kWeakestAboveMean * weakest / mean + width_above_mean(model) + kWoodAboveMean * wood;
   return {mean * std::exp(above), std::hypot(kMeanEchoError, kWoodInMeanEcho * wood)};
-}
-
-/// The same of lidars with several beams at a time, from the narrowest beams and random leaves.
-Strength from_narrow_echoes(const EchoStatistics& statistics, const EchoModel& model) {
-  const Bins near = narrowest(statistics.all());
-  const double side_m = std::sqrt(model.leaf_size_m2);
-  const double share = side_m > 0 ? mean_echo_share(mean_width(near) / side_m, model.detection_share) : 1;
-  return {sum_of(near).mean() / share, kMeanError};
 }
 
 /// How differently bright the leaves are: as full echoes say, where there are enough, less what edges cut off those.
@@ -189,7 +167,7 @@ LeafBrightness brightness_of(const FullEchoStrength& full, const EchoModel& mode
 void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, const Strength& of_mean,
                        EchoModel& model) {
   model.full_echo = of_mean.intensity, model.full_echo_error = of_mean.error;
-  model.mean_echo_weight = model.resolution_path > 0 ? 0 : 1;
+  model.mean_echo_weight = 1;
   if (full.count >= kEnoughFull) {
     model.lacking_share = lacking_of(model);
     const Strength of_full{full.intensity / (1 - model.lacking_share),
@@ -201,6 +179,7 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
     model.full_echo_per_cosine = of_full.weight() / weights * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
+  if (!sends_one_beam(statistics)) model.full_echo_error = std::hypot(model.full_echo_error, kSeveralBeamsError);
 }
 
 }  // namespace
@@ -230,28 +209,18 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
-  model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(narrowest(statistics.all())).mean();
-  // Of lidars with several beams at a time what is lost with the thickness of the row is not known (docs/beams.md):
-  // without full echoes and with a weakest echo that is taken too strong, two errors cancel there.
-  const bool one_beam = sends_one_beam(statistics);
-  if (!one_beam) model.resolution_path = kSeveralBeamsResolutionPath;
-  const double weakest = quantile(statistics.histogram(), one_beam ? kWeakestShare : kSeveralBeamsWeakestShare);
-  const double detected = weakest / (one_beam ? kWeakest : kSeveralBeamsWeakest);
-  const auto full =
-      one_beam ? full_echo_strength(statistics.full(), statistics.ground_dependence()) : FullEchoStrength{};
+  model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
+  const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
+  const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());
   for (int round = 0; round < kRounds; ++round) {
     model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
     measure_leaves(statistics, known, model);
     if (known.full_echo > 0) break;
-    measure_full_echo(statistics, full,
-                      one_beam ? from_mean_echo(statistics, weakest, model) : from_narrow_echoes(statistics, model),
-                      model);
+    measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
   }
-  if (one_beam) {
-    model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
-    model.unreturned_share = model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share,
-                                                                    widths_of_leaf(model));
-  }
+  model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
+  model.unreturned_share =
+      model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
   return model;
 }
 

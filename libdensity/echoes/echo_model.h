@@ -27,14 +27,13 @@ struct EchoModel {
   /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
   double lost_share = 0;
   double unreturned_share = 0;  ///< and the share of it whose beams return nothing (unreturned_per_lost())
-  /// Of lidars with several beams at a time: optical path of a range resolution around echoes, with which a table says
-  /// what is lost (ReturnedShare). 0: one beam at a time, what is lost follows from these two.
-  double resolution_path = 0;
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
   double lacking_share = 0;  ///< of full echoes, which the full echo has been made up for
-  /// By which the full echo is from the mean echo of one beam at a time, and not from full ones.
+  /// By which the full echo is from the mean echo, and not from full ones.
   double mean_echo_weight = 0;
+  /// Whether the scan lacks the downward rays that came back from nowhere (VoxelOptions::sure_return_m is not 0).
+  bool lacks_downward_misses = false;
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are
@@ -63,10 +62,6 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// strength that 2 % of the echoes do not reach, wood that of beams which fall wholly on a post over all echoes; 6 %
 /// off, and 0.8 times the wood. Detection share: the weakest over 1.03 full echoes. What beams without an echo have
 /// met: unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
-///
-/// Lidars with several beams at a time (not sends_one_beam()): only the mean echo, of the narrowest third of the beams,
-/// over the share of the beam that echoes of random leaves hold (mean_echo_share()), 10 % off; the strength that 5 % do
-/// not reach; and a resolution_path of 0.6.
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by

@@ -20,12 +20,13 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.range_resolution_m,
           m.beam.diameter_m,
           m.beam.divergence_rad,
-          m.resolution_path,
+          0,  // until version 12 what was taken for the optical path of a range resolution
           m.lost_share,
           m.full_echo_per_cosine,
           m.lacking_share,
           m.unreturned_share,
-          m.mean_echo_weight};
+          m.mean_echo_weight,
+          m.lacks_downward_misses ? 1.0 : 0.0};
 }
 
 }  // namespace
@@ -43,9 +44,9 @@ tile::ArraySet arrays_from_echo_model(const std::optional<EchoModel>& model) {
 Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
   if (f.empty()) return std::nullopt;
-  // The resolution path came with version 3, the lost share with 4, what goes with the cosine with 6, what follows
-  // with 11, what beams without an echo have met and the mean echo's weight
-  // with 12.
+  // A number that is not used any more came with version 3, the lost share with 4, what goes with the cosine with 6,
+  // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
+  // with 13.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -55,12 +56,12 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   EchoModel m{{f[8], f[9], {}}, f[7], f[0], f[1], f[2], f[3], {}, f[5], f[6]};
   if (f[4] > 2) return damaged(arrays, "the leaves' size is from nowhere");
   m.leaf_size_from = static_cast<LeafSizeFrom>(f[4]);
-  if (f.size() > kOldest) m.resolution_path = f[kOldest];
   if (f.size() > kOldest + 1) m.lost_share = f[kOldest + 1];
   if (f.size() > kOldest + 2) m.full_echo_per_cosine = f[kOldest + 2];
   if (f.size() > kOldest + 3) m.lacking_share = f[kOldest + 3];
   if (f.size() > kOldest + 4) m.unreturned_share = f[kOldest + 4];
   if (f.size() > kOldest + 5) m.mean_echo_weight = f[kOldest + 5];
+  if (f.size() > kOldest + 6) m.lacks_downward_misses = f[kOldest + 6] != 0;
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");
   if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "libdensity/echoes/echo_loss.h"
-
 namespace rayfield::density {
 namespace {
 
@@ -27,17 +25,11 @@ double path_of(const VoxelCounters& v, const EchoCounters& e, double full_echo) 
   return std::max(kLeastPath * v.path_sides(), v.path_sides() + EchoCounters::kPathUnit * (behind - taken));
 }
 
-/// Means over a voxel's rays of what EchoCounters add up with the path.
-struct BeamsOfVoxel {
-  double width_m = 0;
-  double path_before = 0;  ///< voxel sides
-};
-
-std::optional<BeamsOfVoxel> beams_of(const VoxelCounters& v, const EchoCounters& e) {
+/// Mean width of a voxel's beams, by path.
+std::optional<double> width_of(const VoxelCounters& v, const EchoCounters& e) {
   const double units = v.path_sides() / EchoCounters::kPathUnit;
   if (!(units > 0)) return std::nullopt;
-  return BeamsOfVoxel{EchoCounters::kWidthUnitM * static_cast<double>(e.width) / units,
-                      EchoCounters::kDepthUnit * static_cast<double>(e.depth) / units};
+  return EchoCounters::kWidthUnitM * static_cast<double>(e.width) / units;
 }
 
 VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double returned, const EchoModel& model) {
@@ -102,35 +94,13 @@ std::vector<RowThere> row_along(std::span<const VoxelSums> sums, const CrossSect
   return out;
 }
 
-double hits_per_path(std::span<const VoxelSums> sums) {
-  double hits = 0, path = 0;
-  for (const VoxelSums& v : sums) hits += v.hits, path += v.path;
-  return path > 0 ? hits / path : 0;
-}
-
 /// R of every voxel of a row from what the round before says of its density.
 class ReturnedOfRow {
  public:
-  ReturnedOfRow(const EchoModel& model, const CrossSection& section)
-      : model_(model), section_(section), table_(model.detection_share, model.resolution_path) {}
-  double operator()(std::size_t voxel, const BeamsOfVoxel& beams) const {
-    return model_.resolution_path > 0 ? from_table(beams) : from_lost_share(voxel, beams);
-  }
-  void learn(std::span<const VoxelSums> sums) {
-    if (model_.resolution_path > 0)
-      mean_density_ = hits_per_path(sums);
-    else
-      row_ = row_along(sums, section_);
-  }
-
- private:
-  double from_table(const BeamsOfVoxel& beams) const {
-    if (!(model_.leaf_size_m2 > 0)) return 1;
-    return table_(beams.width_m / std::sqrt(model_.leaf_size_m2), mean_density_ * beams.path_before);
-  }
-  double from_lost_share(std::size_t voxel, const BeamsOfVoxel& beams) const {
+  ReturnedOfRow(const EchoModel& model, const CrossSection& section) : model_(model), section_(section) {}
+  double operator()(std::size_t voxel, double width_m) const {
     const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
-    const double widths = model_.leaf_size_m2 > 0 ? beams.width_m / std::sqrt(model_.leaf_size_m2) : 0;
+    const double widths = model_.leaf_size_m2 > 0 ? width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
@@ -139,10 +109,11 @@ class ReturnedOfRow {
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 
+  void learn(std::span<const VoxelSums> sums) { row_ = row_along(sums, section_); }
+
+ private:
   const EchoModel& model_;
   CrossSection section_;
-  ReturnedShare table_;
-  double mean_density_ = 0;    // hits per voxel side
   std::vector<RowThere> row_;  // [along]
 };
 
@@ -165,8 +136,8 @@ std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, s
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < counters.size(); ++i) {
       if (counters[i].rays == 0) continue;
-      const std::optional<BeamsOfVoxel> beams = beams_of(counters[i], echoes[i]);
-      sums[i] = wide_beam_sum(counters[i], echoes[i], beams ? returned(i, *beams) : 1, model);
+      const std::optional<double> width_m = width_of(counters[i], echoes[i]);
+      sums[i] = wide_beam_sum(counters[i], echoes[i], width_m ? returned(i, *width_m) : 1, model);
     }
     if (round + 1 < kRounds) returned.learn(sums);
   }

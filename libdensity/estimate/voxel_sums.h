@@ -30,13 +30,12 @@ struct CrossSection {
 };
 
 /// Of wide beams. With E the full echo, s the share of a beam that its echo holds (intensity over E), D the mean width
-/// of the voxel's beams over the side of a leaf, ℓ the lost share, b the range resolution; T the optical path of a ray
-/// right across the row and n that of a range resolution, both as the row is within 1.5 m along it:
+/// of the voxel's beams over the side of a leaf, ℓ the lost and υ the unreturned share, b the range resolution; T the
+/// optical path of a ray right across the row and n that of a range resolution, both as the row is within 1.5 m along
+/// it:
 ///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),
-///   −ln R = 2.4·ℓ·T·exp(−b/0.25 m) + D·(0.20 − 0.24·n)
-/// (docs/beams.md, "How well"). T and n come from the round before: three rounds. Of lidars with
-/// several beams at a time R is the ReturnedShare of D, of the optical path before the voxel (the row's mean density
-/// times the path) and of the model's resolution_path.
+///   −ln R = 2.4·υ·T·exp(−b/0.25 m) + 0.6·ℓ/max(0.3, T) + 0.10·D·(1 − 1.5·n)
+/// (docs/beams.md, "How it is taken out"). T and n come from the round before: three rounds.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model);
 

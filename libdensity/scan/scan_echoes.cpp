@@ -24,12 +24,16 @@ constexpr double kThinM = 0.003;      // diameter there
 constexpr double kCountedErrorPerM = 35, kMostCountedError = 0.55;
 constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 constexpr double kModelError = 0.055;   // and where they are weighed
+// Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
+// more rays than they do (docs/beams.md, "How far it can be trusted").
+constexpr double kMissingRaysError = 0.15;
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
-  if (model) return std::hypot(kModelError, model->full_echo_error);
+  if (model)
+    return std::hypot(kModelError, model->full_echo_error, model->lacks_downward_misses ? kMissingRaysError : 0.0);
   return std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan));
 }
 
@@ -43,8 +47,7 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
-    if (sends_one_beam(*sum.echo_statistics()))  // the others' are not used
-      sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
+    sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};
@@ -88,10 +91,11 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                     make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
-    const auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,
-                                                                {view->beam, resolution_of(view->beam, beam),
+    auto model = sampled.statistics
+                     ? estimate_echo_model(*sampled.statistics, {view->beam, resolution_of(view->beam, beam),
                                                                  beam.full_echo, work.options.estimator.leaf_size_m2})
-                                          : std::nullopt;
+                     : std::nullopt;
+    if (model) model->lacks_downward_misses = work.voxels.sure_return_m > 0;
     return arrays_from_echo_model(model);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kEchoModelKind, "block", key.hex(), make));
@@ -133,6 +137,8 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);
   if (model->leaf_size_from == LeafSizeFrom::nothing) note += " (not measured: neighbouring beams are too far apart)";
+  if (model->lacks_downward_misses)
+    note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }
 

@@ -10,7 +10,7 @@
 
 namespace rayfield::density {
 
-/// Of the range resolution: an echo lies at its mean range and not at its beginning (BEHIND in echo_loss.py).
+/// Of the range resolution: an echo lies at its mean range and not at its beginning (docs/beams.md).
 inline constexpr double kBehindResolutions = 0.8;
 
 inline constexpr double kTypicalResolution_m = 0.15;

@@ -103,10 +103,9 @@ Result<void> pull_voxels(Cursor& c, RowSegmentVoxels& out) {
   return {};
 }
 
-constexpr std::array<std::pair<const char*, std::int64_t EchoCounters::*>, 5> kEchoColumns = {{
+constexpr std::array<std::pair<const char*, std::int64_t EchoCounters::*>, 4> kEchoColumns = {{
     {"echo", &EchoCounters::echo},
     {"width", &EchoCounters::width},
-    {"depth", &EchoCounters::depth},
     {"behind", &EchoCounters::behind},
     {"echo_behind", &EchoCounters::echo_behind},
 }};

@@ -44,7 +44,7 @@ VoxelCounters& VoxelCounters::operator+=(const VoxelCounters& other) {
 
 EchoCounters& EchoCounters::operator+=(const EchoCounters& other) {
   echo += other.echo;
-  width += other.width, depth += other.depth;
+  width += other.width;
   behind += other.behind, echo_behind += other.echo_behind;
   return *this;
 }
@@ -343,7 +343,7 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
   const double end = ray.length + (ray.hit && !on_wood ? g.view->behind_m : 0);
   const double doubled_projection = 2 * g.projection(ray.direction.z());
   meet_grids(ray, end);
-  WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, 0, ray.intensity};
+  const WideRay wide{g.view->beam.diameter_at(ray.range_m), g.view->beam.divergence_rad, ray.intensity};
   bool hit = false;
   for (const Met& met : met_) {
     RowSegmentVoxels& sums = sums_[met.item];
@@ -351,7 +351,6 @@ bool VoxelAccumulator::count_wide(const Ray& ray, std::span<const RayPiece> piec
       if (traverse<true>(sums, met.g0, met.dg, piece, wide)) hit = true;
     if (end > ray.length)
       add_behind(sums, met.g0, met.dg, {ray.length, end, doubled_projection, false, false, false}, ray.intensity);
-    wide.depth_sides += (met.to - met.from) * doubled_projection / sums.row_segment.voxel_m;
   }
   return hit;
 }

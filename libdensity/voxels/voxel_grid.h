@@ -49,13 +49,11 @@ static_assert(sizeof(VoxelCounters) == 32, "two to a cache line");
 struct EchoCounters {
   std::int64_t echo = 0;         ///< Σ intensity of the hits
   std::int64_t width = 0;        ///< Σ u · diameter of the beam, 10 µm
-  std::int64_t depth = 0;        ///< Σ u · u before in the grids of rows, 2⁻⁸ voxel sides
   std::int64_t behind = 0;       ///< Σ u within BeamView::behind_m behind the echoes
   std::int64_t echo_behind = 0;  ///< Σ u behind · intensity of the echo
-  static constexpr double kPathUnit = 1.0 / (1 << 13), kWidthUnitM = 1e-5, kDepthUnit = 1.0 / (1 << 8);
+  static constexpr double kPathUnit = 1.0 / (1 << 13), kWidthUnitM = 1e-5;
   static std::int64_t path_units(double u) { return std::llrint(u * (1 / kPathUnit)); }
   static std::int64_t width_units(double width_m) { return limited(width_m * (1 / kWidthUnitM)); }
-  static std::int64_t depth_units(double depth) { return limited(depth * (1 / kDepthUnit)); }
   EchoCounters& operator+=(const EchoCounters& other);
   bool operator==(const EchoCounters&) const = default;
 

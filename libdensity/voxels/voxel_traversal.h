@@ -24,7 +24,6 @@ struct RayPiece {
 /// What of a beam belongs to its ray.
 struct WideRay {
   double width_at_origin_m, divergence_rad;  ///< diameter at t metres along the ray: width_at_origin_m + divergence·t
-  double depth_sides;                        ///< path in voxels before this grid, spherical-equivalent
   std::uint16_t intensity;                   ///< of the echo
 };
 
@@ -136,8 +135,6 @@ inline bool traverse(RowSegmentVoxels& sums, const Eigen::Vector3d& g0, const Ei
       const double middle = (at.from + at.to) / 2;
       const std::int64_t path = EchoCounters::path_units(x * piece.doubled_projection);
       e.width += path * EchoCounters::width_units(wide.width_at_origin_m + wide.divergence_rad * middle);
-      e.depth += path * EchoCounters::depth_units(wide.depth_sides +
-                                                  (middle - chord.from) * to_voxels * piece.doubled_projection);
       if (hit_here) e.echo += wide.intensity;
     }
   });

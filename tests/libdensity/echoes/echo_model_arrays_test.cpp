@@ -8,16 +8,16 @@ namespace rayfield::density {
 namespace {
 
 // Each number another one, so that none can stand in another's place.
-EchoModel model_of(double lost_share, double resolution_path, double per_cosine = 0, double lacking = 0,
-                   double unreturned = 0, double mean_weight = 0) {
+EchoModel model_of(double lost_share, double per_cosine = 0, double lacking = 0, double unreturned = 0,
+                   double mean_weight = 0, bool lacks_misses = false) {
   EchoModel model;
   model.beam = {0.0136, 0.0119, {}};
   model.range_resolution_m = 0.15, model.full_echo = 106, model.full_echo_error = 0.04, model.detection_share = 0.25;
   model.leaf_size_m2 = 0.0078, model.leaf_size_from = LeafSizeFrom::pairs, model.echo_variation = 0.2,
   model.mean_width_m = 0.041;
-  model.lost_share = lost_share, model.resolution_path = resolution_path, model.full_echo_per_cosine = per_cosine;
+  model.lost_share = lost_share, model.full_echo_per_cosine = per_cosine;
   model.lacking_share = lacking, model.unreturned_share = unreturned;
-  model.mean_echo_weight = mean_weight;
+  model.mean_echo_weight = mean_weight, model.lacks_downward_misses = lacks_misses;
   return model;
 }
 
@@ -33,15 +33,15 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.echo_variation, b.echo_variation);
   EXPECT_EQ(a.mean_width_m, b.mean_width_m);
   EXPECT_EQ(a.lost_share, b.lost_share);
-  EXPECT_EQ(a.resolution_path, b.resolution_path);
   EXPECT_EQ(a.full_echo_per_cosine, b.full_echo_per_cosine);
   EXPECT_EQ(a.lacking_share, b.lacking_share);
   EXPECT_EQ(a.unreturned_share, b.unreturned_share);
   EXPECT_EQ(a.mean_echo_weight, b.mean_echo_weight);
+  EXPECT_EQ(a.lacks_downward_misses, b.lacks_downward_misses);
 }
 
-TEST(EchoModelArrays, GiveBackTheModelOfLidarsWithOneBeamAndWithSeveral) {
-  for (const EchoModel& model : {model_of(0.044, 0, 60, 0.03, 0.05, 0.2), model_of(0.044, 0, -3), model_of(0, 0.6)}) {
+TEST(EchoModelArrays, GiveBackTheModel) {
+  for (const EchoModel& model : {model_of(0.044, 60, 0.03, 0.05, 0.2, true), model_of(0.044, -3), model_of(0)}) {
     const auto read = echo_model_from_arrays(arrays_from_echo_model(model));
     ASSERT_TRUE(read) << read.error().line();
     ASSERT_TRUE(*read);
@@ -56,30 +56,33 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 }
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
-  std::vector<double> numbers = model_numbers(model_of(0.044, 0.6, 60, 0.03, 0.05, 0.2));
+  std::vector<double> numbers = model_numbers(model_of(0.044, 60, 0.03, 0.05, 0.2, true));
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6, 60, 0.03, 0.05));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 60, 0.03, 0.05, 0.2));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6, 60, 0.03));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 60, 0.03, 0.05));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6, 60));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 60, 0.03));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 0.6));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 60));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0, 0.6));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0.044));
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  expect_same(**echo_model_from_arrays(arrays), model_of(0, 0));
+  expect_same(**echo_model_from_arrays(arrays), model_of(0));
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  expect_same(**echo_model_from_arrays(arrays), model_of(0));
 }
 
 TEST(EchoModelArrays, ThatCannotBeAreRefused) {
-  const std::vector<double> good = model_numbers(model_of(0.044, 0));
+  const std::vector<double> good = model_numbers(model_of(0.044));
   std::vector<std::vector<double>> wrong(9, good);
   wrong[0].resize(9);
   wrong[1].push_back(1);

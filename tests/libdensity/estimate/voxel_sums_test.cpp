@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "libdensity/echoes/echo_loss.h"
-
 namespace rayfield::density {
 namespace {
 
@@ -147,17 +145,6 @@ TEST(VoxelSums, TheThicknessIsThatOfThePlace) {
   EXPECT_NEAR(sums[0].path, sums_of(dense, model).path, 1e-3);
   EXPECT_NEAR(sums[79].path, sums_of(bare, model).path, 1e-3);
   EXPECT_GT(sums[39].path, sums[0].path);
-}
-
-TEST(VoxelSums, OfSeveralBeamsAtATimeATableTellsWhatIsMissing) {
-  EchoModel model = model_of(0.1);
-  model.resolution_path = 0.6, model.leaf_size_m2 = kSide * kSide;
-  const VoxelSums narrow = sums_of(voxel_with(0.5, 0), model), wide = sums_of(voxel_with(0.5, 0.04), model);
-  EXPECT_EQ(wide.hits, narrow.hits);
-  EXPECT_NEAR(wide.path / narrow.path, ReturnedShare(kShare, 0.6)(0.04 / kSide, 0), 1e-4);
-  Voxel deep = voxel_with(0.5, 0.04);
-  deep.echoes.depth = EchoCounters::path_units(8) * EchoCounters::depth_units(6);  // 6 sides of a quarter hit each
-  EXPECT_LT(sums_of(deep, model).path, 0.97 * wide.path);
 }
 
 TEST(VoxelSums, EchoesBrighterThanAFullOneLeaveAPath) {

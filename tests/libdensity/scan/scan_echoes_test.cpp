@@ -69,5 +69,17 @@ TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
   EXPECT_NE(note.find("not measured"), std::string::npos) << note;
 }
 
+TEST(ScanEchoes, CloudsWithoutDownwardMissesAreTrustedLess) {
+  EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
+  const IntegrationOptions options;
+  const auto error = [&] { return integration_with_beam(options, scan_with(0.0136, 0.0119), model).shared_error; };
+  const double whole = error();
+  EXPECT_EQ(beam_note(scan_with(0.0136, 0.0119), model).find("downward"), std::string::npos);
+  model.lacks_downward_misses = true;
+  EXPECT_NEAR(error(), std::hypot(whole, 0.15), 1e-9);
+  const std::string note = beam_note(scan_with(0.0136, 0.0119), model);
+  EXPECT_NE(note.find("lacks the downward rays without a return"), std::string::npos) << note;
+}
+
 }  // namespace
 }  // namespace rayfield::density
