@@ -6,7 +6,7 @@
 
 #include "libdensity/echoes/echo_model.h"
 #include "libdensity/estimate/row_density.h"
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 
 namespace rayfield::density {
 namespace {

@@ -11,7 +11,7 @@
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/stored.h"
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 
 namespace rayfield::density {
 namespace {

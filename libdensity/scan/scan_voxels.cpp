@@ -5,8 +5,8 @@
 #include "libdensity/scan/lazy_stage.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "libdensity/voxels/voxel_arrays.h"
-#include "libdensity/voxels/voxel_grid.h"
 
 namespace rayfield::density {
 namespace {

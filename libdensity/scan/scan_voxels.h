@@ -9,7 +9,7 @@
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/row_segments.h"
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "libdensity/voxels/wood.h"
 
 namespace rayfield::density {

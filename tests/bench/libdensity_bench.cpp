@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "libdensity/estimate/row_density.h"
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "tests/libdensity/hedge_scene.h"
 
 namespace {

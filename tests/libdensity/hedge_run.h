@@ -7,6 +7,7 @@
 
 #include "libdensity/estimate/row_density.h"
 #include "libdensity/integration/integrate.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "tests/libdensity/hedge_scene.h"
 
 /// A hedge through counting, estimating and integrating.

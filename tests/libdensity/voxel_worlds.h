@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 
 /// Small voxel grids and rays through them, for tests.
 namespace rayfield::density::testing {
@@ -39,6 +39,24 @@ inline Eigen::Vector3d grid_from_map(const RowSegment& s, const Eigen::Vector3d&
   const double along = d.dot(s.direction), across = -d.x() * s.direction.y() + d.y() * s.direction.x();
   const double up = p.z() - s.ground_m - s.slope_along * along - s.slope_across * across;
   return Eigen::Vector3d(along, across - s.across_min_m, up - s.up_min_m) / s.voxel_m;
+}
+
+/// Path of a ray through one voxel by clipping it against the voxel's six faces in the row's frame: no traversal.
+inline double clipped_path(const RowSegment& s, int a, int c, int u, const Eigen::Vector3d& p,
+                           const Eigen::Vector3d& q) {
+  const auto local = [&](const Eigen::Vector3d& x) {
+    const Eigen::Vector2d d = x.head<2>() - s.origin;
+    const double along = d.dot(s.direction), across = -d.x() * s.direction.y() + d.y() * s.direction.x();
+    return Eigen::Vector3d(along, across, x.z() - s.ground_m - s.slope_along * along - s.slope_across * across);
+  };
+  const Eigen::Vector3d a0 = local(p), d = local(q) - a0;
+  const Eigen::Vector3d low(a * s.voxel_m, s.across_min_m + c * s.voxel_m, s.up_min_m + u * s.voxel_m);
+  double in = 0, out = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double f = (low[k] - a0[k]) / d[k], g = (low[k] + s.voxel_m - a0[k]) / d[k];
+    in = std::max(in, std::min(f, g)), out = std::min(out, std::max(f, g));
+  }
+  return std::max(0.0, out - in) * (q - p).norm();
 }
 
 inline void push_ray(tile::SegmentBatch& rays, const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool hit) {

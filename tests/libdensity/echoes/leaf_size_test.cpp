@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "libdensity/voxels/voxel_grid.h"
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "tests/libdensity/hedge_scene.h"
 
 namespace rayfield::density {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libdensity/voxels/voxel_accumulator.h"
 #include "tests/libdensity/hedge_scene.h"
 
 namespace rayfield::density {
