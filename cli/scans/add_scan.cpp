@@ -82,7 +82,9 @@ Result<tile::InputEntry> describe_input(const fs::path& path, const Progress& pr
 // What an input says about the lidar's beam, where the rig file does not.
 void add_knowledge(const std::optional<LidarBeam>& told, std::optional<LidarBeam>& beam) {
   if (!beam) beam = told;
-  if (told && told->same_disc(*beam) && !beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;
+  if (!told || !told->same_disc(*beam)) return;
+  if (!beam->range_resolution_m) beam->range_resolution_m = told->range_resolution_m;
+  if (!beam->returns) beam->returns = told->returns;
 }
 
 // A log as a stream of rays: it goes through SLAM.

@@ -12,19 +12,22 @@ struct LidarModel {
   LidarBeam beam;
 };
 
+// As delivered; Velodyne's and Ouster's manuals.
+constexpr auto kStrongest = ReturnMode::strongest;
+
 // Elliptical beams by their geometric mean: VLP-16 12.7 × 9.5 mm and 3.0 × 1.5 mrad, HDL-32E 3.0 × 1.2 mrad, Livox
 // 0.28° × 0.03°. Ouster states full widths at half maximum: 0.35°, 0.18° and 0.09°.
 constexpr std::array<LidarModel, 10> kModels{{
-    {"LMS511", {0.0136, 0.0119, {}}},
-    {"LMS111", {0.008, 0.015, {}}},
-    {"LMS200", {0.012, 0.0044, {}}},
-    {"VLP16", {0.011, 0.0021, {}}},
-    {"HDL32E", {0.011, 0.0019, {}}},
-    {"OS0", {0.005, 0.0061, {}}},
-    {"OS1", {0.0095, 0.0031, {}}},
-    {"OS2", {0.0225, 0.0016, {}}},
-    {"MID40", {0.010, 0.0016, {}}},
-    {"MID70", {0.010, 0.0016, {}}},
+    {"LMS511", {0.0136, 0.0119, {}, {}, {}}},
+    {"LMS111", {0.008, 0.015, {}, {}, {}}},
+    {"LMS200", {0.012, 0.0044, {}, {}, {}}},
+    {"VLP16", {0.011, 0.0021, {}, {}, kStrongest}},
+    {"HDL32E", {0.011, 0.0019, {}, {}, kStrongest}},
+    {"OS0", {0.005, 0.0061, {}, {}, kStrongest}},
+    {"OS1", {0.0095, 0.0031, {}, {}, kStrongest}},
+    {"OS2", {0.0225, 0.0016, {}, {}, kStrongest}},
+    {"MID40", {0.010, 0.0016, {}, {}, {}}},
+    {"MID70", {0.010, 0.0016, {}, {}, {}}},
 }};
 
 // What is left of a name: capital letters and digits.

@@ -38,12 +38,13 @@ void take_beam(RigSection& lidar, std::optional<LidarBeam>& out) {
     lidar.missing(lidar.has("beam_diameter_m") ? "beam_divergence_rad" : "beam_diameter_m",
                   "give both, or the lidar's model; see docs/rig.md");
   if (lidar.has("beam_diameter_m") || lidar.has("beam_divergence_rad")) out = beam;
-  for (const char* key : {"detection_share", "range_resolution_m"})
+  for (const char* key : {"detection_share", "range_resolution_m", "returns"})
     if (lidar.has(key) && !out)
       return lidar.refuse_key(key, "it needs beam_diameter_m and beam_divergence_rad beside it");
   if (lidar.has("detection_share")) lidar.number("detection_share", 0.001, 1, out->detection_share.emplace());
   if (lidar.has("range_resolution_m"))
     lidar.number("range_resolution_m", kFinestRange_m, kCoarsestRange_m, out->range_resolution_m.emplace());
+  if (lidar.has("returns")) lidar.return_mode("returns", out->returns);
 }
 
 void take_lidar(RigSection& section, Rig::Lidar& lidar) {
@@ -128,6 +129,7 @@ std::string beam_text(const std::optional<LidarBeam>& beam) {
       fmt::format("beam_diameter_m = {}\nbeam_divergence_rad = {}\n", beam->diameter_m, beam->divergence_rad);
   if (beam->detection_share) text += fmt::format("detection_share = {}\n", *beam->detection_share);
   if (beam->range_resolution_m) text += fmt::format("range_resolution_m = {}\n", *beam->range_resolution_m);
+  if (beam->returns) text += fmt::format("returns = \"{}\"\n", name_of(*beam->returns));
   return text;
 }
 

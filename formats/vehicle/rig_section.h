@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 
@@ -69,6 +70,12 @@ class RigSection {
         out = NoReturn::max_range;
       else
         refuse(*node, key, "must be \"inf\", \"zero\" or \"max\"");
+    }
+  }
+  void return_mode(std::string_view key, std::optional<ReturnMode>& out) {
+    if (const toml::node* node = take(key)) {
+      out = return_mode_named(node->value_exact<std::string>().value_or(""));
+      if (!out) refuse(*node, key, "must be \"first\", \"strongest\" or \"last\"");
     }
   }
   void direction(std::string_view key, Eigen::Vector3d& out) {

@@ -9,6 +9,14 @@ namespace {
 
 constexpr const char* kColumn = "model";
 
+/// Places in kReturnModes, from 1 on; 0: not known.
+double number_of(const std::optional<ReturnMode>& returns) {
+  double number = 0;
+  for (std::size_t i = 0; returns && i < kReturnModes.size(); ++i)
+    if (kReturnModes[i].second == *returns) number = static_cast<double>(i + 1);
+  return number;
+}
+
 std::vector<double> fields_of(const EchoModel& m) {
   return {m.full_echo,
           m.full_echo_error,
@@ -26,7 +34,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.lacking_share,
           m.unreturned_share,
           m.mean_echo_weight,
-          m.lacks_downward_misses ? 1.0 : 0.0};
+          m.lacks_downward_misses ? 1.0 : 0.0,
+          number_of(m.beam.returns)};
 }
 
 }  // namespace
@@ -46,7 +55,7 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (f.empty()) return std::nullopt;
   // A number that is not used any more came with version 3, the lost share with 4, what goes with the cosine with 6,
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
-  // with 13.
+  // with 13, which echo the lidar reports with 14.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -62,6 +71,11 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (f.size() > kOldest + 4) m.unreturned_share = f[kOldest + 4];
   if (f.size() > kOldest + 5) m.mean_echo_weight = f[kOldest + 5];
   if (f.size() > kOldest + 6) m.lacks_downward_misses = f[kOldest + 6] != 0;
+  if (const double returns = f.size() > kOldest + 7 ? f[kOldest + 7] : 0; returns != 0) {
+    if (returns != std::floor(returns) || !(returns >= 1 && returns <= static_cast<double>(kReturnModes.size())))
+      return damaged(arrays, "no lidar reports such an echo");
+    m.beam.returns = kReturnModes[static_cast<std::size_t>(returns) - 1].second;
+  }
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");
   if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");

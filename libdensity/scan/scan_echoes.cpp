@@ -27,14 +27,18 @@ constexpr double kModelError = 0.055;   // and where they are weighed
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
 // more rays than they do (docs/beams.md, "How far it can be trusted").
 constexpr double kMissingRaysError = 0.15;
+// What earlier echoes took of a beam whose last one is reported: areas come out up to 45 % too small.
+constexpr double kLastEchoesError = 0.25;
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
+  const double of_last = scan.beam->returns == ReturnMode::last ? kLastEchoesError : 0;
   if (model)
-    return std::hypot(kModelError, model->full_echo_error, model->lacks_downward_misses ? kMissingRaysError : 0.0);
-  return std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan));
+    return std::hypot(std::hypot(kModelError, model->full_echo_error),
+                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, of_last));
+  return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), of_last);
 }
 
 // One tile. Sums of integers, so that the order of the rays does not matter.
@@ -114,6 +118,7 @@ Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const til
 void add_beam(KeyBuilder& key, const LidarBeam& beam) {
   key.add(beam.diameter_m).add(beam.divergence_rad);
   key.add(beam.detection_share.value_or(-1)).add(beam.range_resolution_m.value_or(-1));
+  if (beam.returns) key.add(name_of(*beam.returns));
 }
 
 IntegrationOptions integration_with_beam(const IntegrationOptions& integration, const tile::ScanEntry& scan,
@@ -139,6 +144,8 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   if (model->leaf_size_from == LeafSizeFrom::nothing) note += " (not measured: neighbouring beams are too far apart)";
   if (model->lacks_downward_misses)
     note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
+  if (scan.beam->returns == ReturnMode::last)
+    note += "; its lidar reports the last echo, so that areas are too small, by up to a half: have it report the first";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }
 

@@ -86,6 +86,7 @@ Json beam_json(const LidarBeam& beam) {
   Json json = {{"diameter_m", beam.diameter_m}, {"divergence_rad", beam.divergence_rad}};
   if (beam.detection_share) json["detection_share"] = *beam.detection_share;
   if (beam.range_resolution_m) json["range_resolution_m"] = *beam.range_resolution_m;
+  if (beam.returns) json["returns"] = name_of(*beam.returns);
   return json;
 }
 
@@ -94,6 +95,11 @@ LidarBeam parse_beam(const Json& json) {
                  .divergence_rad = json.at("divergence_rad").get<double>()};
   if (json.contains("detection_share")) beam.detection_share = json.at("detection_share").get<double>();
   if (json.contains("range_resolution_m")) beam.range_resolution_m = json.at("range_resolution_m").get<double>();
+  if (json.contains("returns")) {
+    const auto name = json.at("returns").get<std::string>();
+    beam.returns = return_mode_named(name);
+    if (!beam.returns) throw std::runtime_error("'" + name + "' is no echo that a lidar reports");
+  }
   return beam;
 }
 

@@ -59,11 +59,11 @@ tl::unexpected<Error> stopped(const World& world) {
               "asked to stop");
 }
 
-// What a data sheet says: no detection share, and one angle.
+// What a data sheet says, no detection share and one angle, and the lidar's settings.
 LidarBeam site_beam(const SiteLidar& lidar) {
   const double across = 1e-3 * lidar.divergence_mrad;
   const double along_z = lidar.divergence_z_mrad > 0 ? 1e-3 * lidar.divergence_z_mrad : across;
-  return {lidar.beam_diameter_m, std::sqrt(across * along_z), std::nullopt};
+  return {.diameter_m = lidar.beam_diameter_m, .divergence_rad = std::sqrt(across * along_z), .returns = lidar.returns};
 }
 
 }  // namespace

@@ -30,8 +30,6 @@ inline constexpr Choices<EnergyProfile, 2> kEnergyProfiles{
     {{"uniform", EnergyProfile::uniform}, {"gaussian", EnergyProfile::gaussian}}};
 inline constexpr Choices<Detection, 2> kDetections{
     {{"covered_share", Detection::covered_share}, {"returned_energy", Detection::returned_energy}}};
-inline constexpr Choices<ReturnMode, 3> kReturnModes{
-    {{"first", ReturnMode::first}, {"strongest", ReturnMode::strongest}, {"last", ReturnMode::last}}};
 inline constexpr Choices<LaneOrder, 3> kLaneOrders{
     {{"skip", LaneOrder::skip}, {"sequential", LaneOrder::sequential}, {"reverse", LaneOrder::reverse}}};
 

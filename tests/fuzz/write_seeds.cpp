@@ -97,7 +97,7 @@ void write_store_json(const fs::path& folder) {
   scan.warnings = {"3 rays dropped"};
   scan.alignment.emplace();
   scan.dormant = true;
-  scan.beam = LidarBeam{0.01, 0.002, 0.1, 0.3};
+  scan.beam = LidarBeam{0.01, 0.002, 0.1, 0.3, ReturnMode::strongest};
   tile::TileEntry tile;
   tile.index = {-3, 7};
   tile.file = {"scans/2019-02-11_a/rays/a.h5", 5, "cd"};
@@ -124,7 +124,7 @@ Result<void> write_cloud(const fs::path& path) {
   fs::create_directories(path.parent_path());
   formats::PlyWriteOptions options;
   options.crs = kCrs;
-  options.beam = LidarBeam{0.01, 0.002, 0.1, 0.3};
+  options.beam = LidarBeam{0.01, 0.002, 0.1, 0.3, ReturnMode::strongest};
   RAYFIELD_ASSIGN(auto writer, formats::PlyWriter::create(path.string(), options));
   RayBatch rays;
   for (int i = 0; i < 5; ++i)

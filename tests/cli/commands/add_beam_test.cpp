@@ -63,6 +63,23 @@ TEST_F(AddBeam, HasTheRangeResolutionOfTheRigOrElseThatOfTheCloud) {
   EXPECT_FALSE(beam_of_scan().contains("range_resolution_m"));
 }
 
+TEST_F(AddBeam, HasTheReportedEchoOfTheRigOrElseThatOfTheCloud) {
+  const std::string disc = "[lidar]\nbeam_diameter_m = 0.011\nbeam_divergence_rad = 0.0021\n";
+  std::string header_and_rays = lane_cloud(50);
+  header_and_rays.insert(header_and_rays.find("element"),
+                         "comment beam diameter_m 0.011 divergence_rad 0.0021 returns last\n");
+  write_file(cloud(), header_and_rays);
+  ASSERT_EQ(add(disc).exit_code, 0);
+  EXPECT_EQ(beam_of_scan()["returns"], "last");
+  EXPECT_THAT(rayfield({"status", store()}).out, HasSubstr("reports the last echo"));
+  ASSERT_EQ(rayfield({"remove", store(), "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(add(disc + "returns = \"first\"\n").exit_code, 0);
+  EXPECT_EQ(beam_of_scan()["returns"], "first");
+  ASSERT_EQ(rayfield({"remove", store(), "2021-05-01"}).exit_code, 0);
+  ASSERT_EQ(add("[lidar]\nmodel = \"OS1\"\n").exit_code, 0);  // another beam than the header's
+  EXPECT_EQ(beam_of_scan()["returns"], "strongest");
+}
+
 TEST_F(AddBeam, ThatCannotBeIsRefusedAndNothingIsAdded) {
   const Outcome added = add("[lidar]\nbeam_divergence_rad = 1.5\n");
   EXPECT_EQ(added.exit_code, 2) << added.err;

@@ -106,6 +106,19 @@ TEST(RigFile, ReadsTheBeamAndWritesItBack) {
   EXPECT_EQ(high->lidar.beam, (LidarBeam{0.0136, 0.0047, {}}));
 }
 
+TEST(RigFile, KnowsWhichEchoALidarReports) {
+  const auto beam_with = [](const std::string& keys) {
+    const auto rig = parse_rig(replaced("[spinner]", keys + "\n[spinner]"), "r");
+    EXPECT_TRUE(rig) << rig.error().line();
+    EXPECT_EQ(parse_rig(rig_text(*rig), "again")->lidar.beam, rig->lidar.beam);
+    return *rig->lidar.beam;
+  };
+  EXPECT_EQ(beam_with("model = \"LMS511\"").returns, std::nullopt);
+  EXPECT_EQ(beam_with("model = \"LMS511\"\nreturns = \"last\"").returns, ReturnMode::last);
+  EXPECT_EQ(beam_with("model = \"VLP-16\"").returns, ReturnMode::strongest);  // as delivered
+  EXPECT_EQ(beam_with("model = \"OS1\"\nreturns = \"first\"").returns, ReturnMode::first);
+}
+
 TEST(RigFile, RefusesBeamsThatAreNotOne) {
   const auto with = [](const std::string& keys) { return error_line(replaced("[spinner]", keys + "\n[spinner]")); };
   EXPECT_THAT(with("beam_diameter_m = 13.6\nbeam_divergence_rad = 0.01"), HasSubstr("must be 0 to 0.2"));
@@ -116,6 +129,9 @@ TEST(RigFile, RefusesBeamsThatAreNotOne) {
   EXPECT_THAT(with("model = \"LMS511\"\ndetection_share = 1.5"), HasSubstr("must be 0.001 to 1"));
   EXPECT_THAT(with("range_resolution_m = 0.2"), HasSubstr("lidar.range_resolution_m: it needs beam_diameter_m"));
   EXPECT_THAT(with("model = \"LMS511\"\nrange_resolution_m = 20"), HasSubstr("must be 0.005 to 2"));
+  EXPECT_THAT(with("returns = \"first\""), HasSubstr("lidar.returns: it needs beam_diameter_m"));
+  EXPECT_THAT(with("model = \"LMS511\"\nreturns = \"all\""), HasSubstr("must be \"first\", \"strongest\" or \"last\""));
+  EXPECT_THAT(with("model = \"LMS511\"\nreturns = 1"), HasSubstr("must be \"first\", \"strongest\" or \"last\""));
   EXPECT_THAT(with("model = \"LMS999\""), HasSubstr("not a lidar whose beam is known (LMS511"));
 }
 

@@ -102,6 +102,28 @@ TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
   }
 }
 
+// The strongest of several echoes hides those of less than half the beam: docs/beams.md, "How it is taken out".
+TEST(VoxelSums, WeakerEchoesBeforeTheStrongestAreMissing) {
+  for (const double width_m : {0.02, 0.06})
+    for (const double share : {0.1, 0.4, 0.6})
+      for (const double resolution_m : {0.1, 0.3}) {
+        EchoModel model = model_of(0);
+        model.leaf_size_m2 = kSide * kSide, model.detection_share = share, model.range_resolution_m = resolution_m;
+        const VoxelSums unknown = sums_of(voxel_with(0.5, width_m), model);
+        model.beam.returns = ReturnMode::first;
+        EXPECT_EQ(sums_of(voxel_with(0.5, width_m), model).path, unknown.path);
+        model.beam.returns = ReturnMode::strongest;
+        const VoxelSums s = sums_of(voxel_with(0.5, width_m), model);
+        const auto cut_by_edges = [&](const VoxelSums& v) {
+          return width_m / kSide * 0.10 * (1 - 1.5 * v.hits / v.path / kVoxel * resolution_m);
+        };
+        const double hidden =
+            1.1 * std::sqrt(width_m / kSide * across(s)) * std::max(0.0, 0.5 - share) * std::exp(-resolution_m / 0.25);
+        EXPECT_EQ(s.hits, unknown.hits);
+        EXPECT_NEAR(s.path, unknown.path * std::exp(cut_by_edges(unknown) - cut_by_edges(s) - hidden), 0.03);
+      }
+}
+
 // Two places of a cross section, one behind the other: a ray across the row passes both.
 TEST(VoxelSums, TheThickerTheRowTheMoreIsMissing) {
   const Voxel one = voxel_with(0.5, 0.04);

@@ -81,5 +81,21 @@ TEST(ScanEchoes, CloudsWithoutDownwardMissesAreTrustedLess) {
   EXPECT_NE(note.find("lacks the downward rays without a return"), std::string::npos) << note;
 }
 
+TEST(ScanEchoes, LastEchoesAreTrustedLess) {
+  const EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
+  const IntegrationOptions options;
+  tile::ScanEntry scan = scan_with(0.0136, 0.0119);
+  const auto error = [&] { return integration_with_beam(options, scan, model).shared_error; };
+  const double unknown = error();
+  for (const ReturnMode mode : {ReturnMode::first, ReturnMode::strongest}) {
+    scan.beam->returns = mode;
+    EXPECT_EQ(error(), unknown);
+    EXPECT_EQ(beam_note(scan, model).find("last echo"), std::string::npos);
+  }
+  scan.beam->returns = ReturnMode::last;
+  EXPECT_NEAR(error(), std::hypot(unknown, 0.25), 1e-9);
+  EXPECT_NE(beam_note(scan, model).find("reports the last echo"), std::string::npos) << beam_note(scan, model);
+}
+
 }  // namespace
 }  // namespace rayfield::density

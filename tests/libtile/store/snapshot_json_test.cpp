@@ -59,7 +59,8 @@ TEST(SnapshotJson, EverythingComesBackAndTextIsStable) {
 TEST(SnapshotJson, TheBeamComesBackWithAndWithoutItsShareOrIsAbsent) {
   for (const std::optional<LidarBeam>& beam :
        {std::optional<LidarBeam>(), std::optional(LidarBeam{0.0136, 0.0119, std::nullopt}),
-        std::optional(LidarBeam{0.011, 0.0021, 0.3, 0.15})}) {
+        std::optional(LidarBeam{0.011, 0.0021, 0.3, 0.15}),
+        std::optional(LidarBeam{0.011, 0.0021, {}, {}, ReturnMode::strongest})}) {
     Snapshot snapshot = sample_snapshot();
     snapshot.scans[0].beam = beam;
     const auto json = to_json(snapshot);
@@ -68,6 +69,16 @@ TEST(SnapshotJson, TheBeamComesBackWithAndWithoutItsShareOrIsAbsent) {
     ASSERT_TRUE(back) << back.error().line();
     EXPECT_EQ(back->scans[0].beam, beam);
   }
+}
+
+TEST(SnapshotJson, AnEchoThatNoLidarReportsIsRefused) {
+  Snapshot snapshot = sample_snapshot();
+  snapshot.scans[0].beam = LidarBeam{0.011, 0.0021, {}, {}, ReturnMode::last};
+  auto json = to_json(snapshot);
+  json["scans"][0]["beam"]["returns"] = "loudest";
+  const auto back = snapshot_from_json(json, "x");
+  ASSERT_FALSE(back);
+  EXPECT_NE(back.error().line().find("'loudest' is no echo"), std::string::npos) << back.error().line();
 }
 
 TEST(SnapshotJson, AScanFromBeforeFilesWereKeptHasNone) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rayfield/core/lidar_beam.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rigid3.h"
 
@@ -110,9 +111,6 @@ enum class EnergyProfile { uniform, gaussian };
 
 /// What decides whether surfaces make an echo: the share of the beam that they take, or what they send back of it.
 enum class Detection { covered_share, returned_energy };
-
-/// Which echo of a beam becomes its return.
-enum class ReturnMode { first, strongest, last };
 
 struct SiteLidar {
   LidarKind kind = LidarKind::spinning;
