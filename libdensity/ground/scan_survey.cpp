@@ -11,7 +11,7 @@ void ScanSurvey::add(const TileSurvey& survey) {
     if (!fresh) it->second += sum;
   }
   coverage_[survey.index] = survey.coverage;
-  misses_above_ += survey.misses_above, misses_below_ += survey.misses_below;
+  misses_ += survey.misses;
 }
 
 std::vector<PathPoint> ScanSurvey::path() const {

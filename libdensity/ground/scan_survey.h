@@ -19,10 +19,8 @@ class ScanSurvey {
   /// The trajectory of the sensor, ascending in time.
   std::vector<PathPoint> path() const;
 
-  /// Whether the scan kept its downward rays without a return, or had them restored (MissingRaySource): most clouds
-  /// leave them out. A fiftieth of the upward ones is more than a cloud that dropped them can have by a tilt of its
-  /// frame, and less than any lidar of 100 m range or less on level ground keeps.
-  bool holds_downward_misses() const { return misses_below_ > 0 && 50 * misses_below_ >= misses_above_; }
+  /// Whether the scan kept its downward rays without a return, or had them restored (MissingRaySource).
+  bool holds_downward_misses() const { return misses_.holds_downward(); }
 
   /// CoverageFlag bits by tile.
   const std::map<tile::TileIndex, Grid2<std::uint8_t>>& coverage() const { return coverage_; }
@@ -31,7 +29,7 @@ class ScanSurvey {
   double path_step_s_ = 0.1;
   std::map<std::int64_t, PathSum> path_;  // by step
   std::map<tile::TileIndex, Grid2<std::uint8_t>> coverage_;
-  std::int64_t misses_above_ = 0, misses_below_ = 0;
+  HorizonMisses misses_;
 };
 
 }  // namespace rayfield::density

@@ -102,12 +102,6 @@ void SurveyAccumulator::add_hit(const Eigen::Vector3d& end) {
   coverage_.at(cx, cy) |= kCoverageHit;
 }
 
-void SurveyAccumulator::add_miss(const Eigen::Vector3d& way) {
-  constexpr double kLevel = 0.26;  // sine of 15°
-  if (way.z() == 0 || std::abs(way.z()) > kLevel * way.norm()) return;
-  ++(way.z() > 0 ? misses_above_ : misses_below_);
-}
-
 void SurveyAccumulator::add_start(const Eigen::Vector3d& origin, double time_s) {
   ++starts_;
   add_path(path_, {static_cast<std::int64_t>(std::floor(time_s / options_.path_step_s)), 1,
@@ -140,7 +134,7 @@ void SurveyAccumulator::add(const tile::SegmentBatch& segments) {
       if (flags & tile::kHit)
         add_hit(exit);
       else
-        add_miss(exit - entry);
+        misses_.add(exit - entry);
     }
     if (i % kPassageStride == 0 && exit.z() < entry.z()) add_passage(entry, exit);
   }
@@ -153,7 +147,7 @@ void SurveyAccumulator::merge(const SurveyAccumulator& other) {
   for (const PathSum& sum : other.path_) add_path(path_, sum);
   for (std::size_t i = 0; i < coverage_.values.size(); ++i) coverage_.values[i] |= other.coverage_.values[i];
   segments_ += other.segments_, starts_ += other.starts_, ends_ += other.ends_, hits_ += other.hits_;
-  misses_above_ += other.misses_above_, misses_below_ += other.misses_below_;
+  misses_ += other.misses_;
   first_time_s_ = std::min(first_time_s_, other.first_time_s_);
   last_time_s_ = std::max(last_time_s_, other.last_time_s_);
   lowest_ = std::min(lowest_, other.lowest_);
@@ -177,7 +171,7 @@ TileSurvey SurveyAccumulator::finish() const {
   out.path = path_;
   out.coverage = coverage_;
   out.segments = segments_, out.starts = starts_, out.ends = ends_, out.hits = hits_;
-  out.misses_above = misses_above_, out.misses_below = misses_below_;
+  out.misses = misses_;
   out.first_time_s = segments_ ? first_time_s_ : 0;
   out.last_time_s = segments_ ? last_time_s_ : 0;
   out.lowest_hit_m = hits_ ? lowest_ : kNaN;

@@ -7,6 +7,7 @@
 
 #include "rayfield/core/grid2.h"
 #include "rayfield/core/result.h"
+#include "rayfield/density/horizon_misses.h"
 #include "rayfield/density/layout_options.h"
 #include "rayfield/tile/segments.h"
 
@@ -47,9 +48,8 @@ struct TileSurvey {
   Grid2<std::uint8_t> coverage;          ///< CoverageFlag bits
   std::int64_t segments = 0, starts = 0, ends = 0, hits = 0;  ///< hits: in the tile proper
   double first_time_s = 0, last_time_s = 0;                   ///< of the segments; 0 without any
-  std::int64_t misses_above = 0, misses_below = 0;  ///< rays that end in the tile proper without a hit, up to 15° above
-                                                    ///< and below the horizon
-  double lowest_hit_m = 0, highest_hit_m = 0;  ///< NaN without hits
+  HorizonMisses misses;                                       ///< of the rays that end in the tile proper
+  double lowest_hit_m = 0, highest_hit_m = 0;                 ///< NaN without hits
 
   double cell_m() const { return tile_size_m / cells; }
   /// The bins of one cell.
@@ -67,7 +67,6 @@ class SurveyAccumulator {
 
  private:
   void add_hit(const Eigen::Vector3d& end);
-  void add_miss(const Eigen::Vector3d& way);
   void add_start(const Eigen::Vector3d& origin, double time_s);
   void add_passage(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
   void add_bin(std::size_t cell, const LowBin& bin);
@@ -81,7 +80,8 @@ class SurveyAccumulator {
   std::vector<std::uint16_t> used_;
   std::vector<PathSum> path_;  // ascending
   Grid2<std::uint8_t> coverage_;
-  std::int64_t segments_ = 0, starts_ = 0, ends_ = 0, hits_ = 0, misses_above_ = 0, misses_below_ = 0;
+  std::int64_t segments_ = 0, starts_ = 0, ends_ = 0, hits_ = 0;
+  HorizonMisses misses_;
   double first_time_s_, last_time_s_, lowest_, highest_;
 };
 

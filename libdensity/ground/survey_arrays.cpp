@@ -62,8 +62,8 @@ tile::ArraySet survey_to_arrays(const TileSurvey& s) {
                                   {"starts", s.starts},
                                   {"ends", s.ends},
                                   {"hits", s.hits},
-                                  {"misses_above", s.misses_above},
-                                  {"misses_below", s.misses_below},
+                                  {"misses_above", s.misses.above},
+                                  {"misses_below", s.misses.below},
                                   {"first_time_s", s.first_time_s},
                                   {"last_time_s", s.last_time_s},
                                   {"lowest_hit_m", or_null(s.lowest_hit_m)},
@@ -106,8 +106,8 @@ Result<TileSurvey> survey_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(s.starts, stored_total(arrays, json, "starts"));
   RAYFIELD_ASSIGN(s.ends, stored_total(arrays, json, "ends"));
   RAYFIELD_ASSIGN(s.hits, stored_total(arrays, json, "hits"));
-  RAYFIELD_ASSIGN(s.misses_above, stored_total(arrays, json, "misses_above"));
-  RAYFIELD_ASSIGN(s.misses_below, stored_total(arrays, json, "misses_below"));
+  RAYFIELD_ASSIGN(s.misses.above, stored_total(arrays, json, "misses_above"));
+  RAYFIELD_ASSIGN(s.misses.below, stored_total(arrays, json, "misses_below"));
   RAYFIELD_ASSIGN(s.first_time_s, stored_number(arrays, json, "first_time_s"));
   RAYFIELD_ASSIGN(s.last_time_s, stored_number(arrays, json, "last_time_s"));
   s.lowest_hit_m = null_is_nan(json, "lowest_hit_m"), s.highest_hit_m = null_is_nan(json, "highest_hit_m");

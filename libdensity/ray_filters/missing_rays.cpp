@@ -100,6 +100,8 @@ Result<void> MissingRaySource::refill() {
   ended_ = got == 0;
   if (!studied_ && got > 0) study_times();
   if (!usable_) {
+    for (std::size_t i = 0; i < got; ++i)
+      if (in_.hit[i] == 0) misses_.add(in_.end[i] - in_.origin[i]);
     std::swap(in_, out_);
     if (ended_) out_.clear();
     return {};
@@ -129,13 +131,14 @@ Result<bool> MissingRaySource::rewind() {
   out_at_ = 0, restored_ = 0;
   studied_ = usable_ = ended_ = false;
   longest_m_ = period_s_ = 0;
+  misses_ = {};
   last_ = {};
   return true;
 }
 
 std::vector<std::string> MissingRaySource::warnings() const {
   std::vector<std::string> out = source_.warnings();
-  if (studied_ && !usable_)
+  if (studied_ && !usable_ && !misses_.holds_downward())
     out.push_back(
         "the times of the rays do not tell beams apart: downward rays without a return cannot be restored, "
         "what runs level is left out of the density");

@@ -26,7 +26,7 @@ tile::ArraySet survey() {
   survey.coverage = Grid2<std::uint8_t>({50, -75}, 12.5, 2, 2);
   // Of four digits, as the words of fuzz_derived.dict.
   survey.segments = 4000, survey.starts = 1234, survey.ends = 2345, survey.hits = 1111;
-  survey.misses_above = 1000, survey.misses_below = 2000;
+  survey.misses = {1000, 2000};
   return survey_to_arrays(survey);
 }
 

@@ -44,8 +44,8 @@ TEST(ScanSurvey, TellsScansThatKeepTheirDownwardRaysWithoutAReturnFromThoseThatD
     sum.add(batch);
     return sum.finish();
   };
-  EXPECT_EQ(survey(3, 2, 1).misses_above, 3);
-  EXPECT_EQ(survey(3, 2, 1).misses_below, 2);
+  EXPECT_EQ(survey(3, 2, 1).misses.above, 3);
+  EXPECT_EQ(survey(3, 2, 1).misses.below, 2);
   EXPECT_FALSE(ScanSurvey().holds_downward_misses());
   EXPECT_FALSE(testing::scan_survey_of({survey(600, 0, 50), survey(400, 19, 0)}).holds_downward_misses());
   EXPECT_TRUE(testing::scan_survey_of({survey(600, 0, 0), survey(400, 21, 0)}).holds_downward_misses());

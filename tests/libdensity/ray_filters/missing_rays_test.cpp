@@ -128,6 +128,19 @@ TEST(MissingRays, TimesThatDoNotTellBeamsApartAreReported) {
   ASSERT_TRUE(source.has_value());
   EXPECT_EQ(read_all(**source, 1000).end, rays.end);
   ASSERT_EQ((*source)->warnings().size(), 1u);
+  ASSERT_TRUE((*source)->rewind().has_value());
+  EXPECT_TRUE((*source)->warnings().empty());  // nothing is known of a stream that has not been read
+}
+
+// As `slam` writes them for lidars with several beams at a time: nothing is missing.
+TEST(MissingRays, TimesThatDoNotTellBeamsApartDoNotMatterWhereDownwardMissesAreKept) {
+  RayBatch rays = sweep(0.1, true);
+  for (double& t : rays.time_s) t = std::floor(t * 100) / 100;
+  Rays stamped(rays);
+  auto source = MissingRaySource::create(stamped, {});
+  ASSERT_TRUE(source.has_value());
+  EXPECT_EQ(read_all(**source, 1000).end, rays.end);
+  EXPECT_TRUE((*source)->warnings().empty());
 }
 
 TEST(MissingRays, EmptyStreamsAndBadOptionsAreHandled) {

@@ -7,6 +7,8 @@
 
 #include "rayfield/core/option_fields.h"
 #include "rayfield/core/ray_source.h"
+#include "rayfield/density/horizon_misses.h"
+
 /// ray_filters: rays put right on their way into the store: those without a return that clouds leave out.
 namespace rayfield::density {
 
@@ -39,7 +41,8 @@ struct MissingRayOptions {
 /// down are something else (a part of the vehicle) and stay open.
 ///
 /// The beam period is the median step of time over the first rays. A stream whose times do not tell beams apart
-/// (equal stamps, shuffled rays, merged clouds) is passed on as it is, with a warning.
+/// (equal stamps, several beams at a time, shuffled rays, merged clouds) is passed on as it is, with a warning unless
+/// it holds its downward rays without a return.
 class MissingRaySource : public RaySource {
  public:
   /// `source` must outlive this object. Errors: usage.
@@ -72,6 +75,7 @@ class MissingRaySource : public RaySource {
   bool studied_ = false, usable_ = false, ended_ = false;
   double period_s_ = 0, longest_m_ = 0;
   std::uint64_t restored_ = 0;
+  HorizonMisses misses_;  ///< of a stream that is passed on as it is
   Last last_;
 };
 
