@@ -145,7 +145,9 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   if (model->lacks_downward_misses)
     note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
   if (scan.beam->returns == ReturnMode::last)
-    note += "; its lidar reports the last echo, so that areas are too small, by up to a half: have it report the first";
+    note +=
+        "; its lidar reports the last echo, so that areas are too small, by up to a half: have it report the first or "
+        "the strongest";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }
 
