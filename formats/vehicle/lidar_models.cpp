@@ -12,7 +12,7 @@ struct LidarModel {
   LidarBeam beam;
 };
 
-// As delivered. A VLP-16 can report the strongest, the last or both, not the first.
+// Their usual setting. A VLP-16 can report the strongest, the last or both, not the first.
 constexpr auto kStrongest = ReturnMode::strongest;
 
 // Elliptical beams by their geometric mean: VLP-16 12.7 × 9.5 mm and 3.0 × 1.5 mrad, HDL-32E 3.0 × 1.2 mrad, Livox

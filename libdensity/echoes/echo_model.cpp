@@ -30,8 +30,7 @@ constexpr double kMostAngleDependence = 0.9;     // a blade is not so flat that 
 constexpr double kWeakestShare = 0.02;           // of the echoes lie below the detection share,
 constexpr double kWeakest = 1.03;                // nearly: where they begin, in detection shares
 constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
-// What else is off where several beams go out at a time, the law being one beam's: many such lidars report the
-// strongest echo, and what weaker ones before it took nothing tells.
+// What else is off where several beams go out at a time, the law being one beam's and leaves being found less well.
 constexpr double kSeveralBeamsError = 0.08;
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
 // beam of kSmearM adds and what a metre of range resolution takes away.

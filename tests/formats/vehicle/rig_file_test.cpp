@@ -115,7 +115,7 @@ TEST(RigFile, KnowsWhichEchoALidarReports) {
   };
   EXPECT_EQ(beam_with("model = \"LMS511\"").returns, std::nullopt);
   EXPECT_EQ(beam_with("model = \"LMS511\"\nreturns = \"last\"").returns, ReturnMode::last);
-  EXPECT_EQ(beam_with("model = \"VLP-16\"").returns, ReturnMode::strongest);  // as delivered
+  EXPECT_EQ(beam_with("model = \"VLP-16\"").returns, ReturnMode::strongest);  // its usual setting
   EXPECT_EQ(beam_with("model = \"OS1\"\nreturns = \"first\"").returns, ReturnMode::first);
 }
 
