@@ -1,4 +1,5 @@
 #include "libdensity/integration/integrate.h"
+#include "libdensity/integration/interval.h"
 #include "libdensity/integration/row_shares.h"
 #include "libdensity/tiles/rounding.h"
 
@@ -85,8 +86,8 @@ PanelValue panel_value(const RowDensity& row, const Sums& s, const RowSpan& span
   v.leaf_area_per_m = s.leaf / length_m;
   v.lai = s.leaf / (length_m * spacing_m);
   v.se_leaf_area_m2 = v.se_plant_area_m2 = std::sqrt(s.variance);
-  const double half = 1.959963984540054 * std::sqrt(s.variance + o.shared_error * o.shared_error * s.leaf * s.leaf);
-  v.ci_low_m2 = std::max(0.0, s.leaf - half), v.ci_high_m2 = s.leaf + half;
+  const Reach reach = reach_of(s.leaf, s.variance, o.shared_error);
+  v.ci_low_m2 = std::max(0.0, s.leaf - reach.below), v.ci_high_m2 = s.leaf + reach.above;
   if (!(s.leaf > 0)) {
     v.canopy_height_m = v.canopy_width_m = 0;
     v.gap_fraction = 1;

@@ -18,7 +18,7 @@ namespace rayfield::density {
 /// nearer one, so that the panels' sum is the row's. Columns cut by a border are shared by length.
 /// plant_area_m2 = everything; leaf_area_m2 = plant area less masked wood (posts, trunks; wires and canes remain).
 /// se_leaf_area_m2: square root of the summed voxel variances (voxels independent, see slab_density.h). The 95 %
-/// interval adds an error that the whole panel shares: ±1.96·√(se² + (shared_error·area)²).
+/// interval adds an error that the whole panel shares, shared_error: a factor (interval.h).
 /// ray_count: rays that enter the row's voxels in the panel.
 std::vector<PanelValue> integrate_panels(const RowDensity& row, std::span<const Panel> panels, double row_spacing_m,
                                          const IntegrationOptions& options);

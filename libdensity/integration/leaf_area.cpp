@@ -6,13 +6,13 @@
 
 #include "libdensity/estimate/slab_density.h"
 #include "libdensity/estimate/uneven_density.h"
+#include "libdensity/integration/interval.h"
 #include "libdensity/integration/row_shares.h"
 
 namespace rayfield::density {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTwoSided95 = 1.959963984540054;
 
 void add_section(const RowDensity& leaf, int along, double share, LeafSum& sum, double& voxels, double& observed) {
   for (int c = 0; c < leaf.n_across; ++c)
@@ -121,10 +121,10 @@ void set_leaf_area(PanelValue& value, const LeafSum& sum, double length_m, doubl
   value.leaf_area_per_m = sum.leaf_m2 / length_m;
   value.lai = sum.leaf_m2 / (length_m * row_spacing_m);
   value.se_leaf_area_m2 = std::sqrt(sum.variance_m4);
-  const double half = kTwoSided95 * std::sqrt(sum.variance_m4 + squared(integration.shared_error * sum.leaf_m2) +
-                                              squared(options.wood_error * sum.wood_m2));
-  value.ci_low_m2 = std::max(0.0, sum.leaf_m2 - half);
-  value.ci_high_m2 = std::max(0.0, sum.leaf_m2 + half);
+  const double variance_m4 = sum.variance_m4 + squared(options.wood_error * sum.wood_m2);
+  const Reach reach = reach_of(sum.leaf_m2, variance_m4, integration.shared_error);
+  value.ci_low_m2 = std::max(0.0, sum.leaf_m2 - reach.below);
+  value.ci_high_m2 = std::max(0.0, sum.leaf_m2 + reach.above);
 }
 
 }  // namespace rayfield::density

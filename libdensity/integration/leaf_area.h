@@ -36,7 +36,7 @@ std::vector<double> leaf_of_metres(const RowDensity& leaf, double row_length_m, 
 
 /// leaf_area_m2 and what follows from it, put in place of that of the plants. The standard error is that of the
 /// sampling; the 95 % interval adds, relative to the leaves, what all voxels of the panel share and, relative to the
-/// wood subtracted, what the two scans do not: ±1.96·√(se² + (shared_error·leaf)² + (wood_error·wood)²), cut at 0. A
+/// wood subtracted, what the two scans do not: reach_of(leaf, se² + (wood_error·wood)², shared_error), cut at 0. A
 /// panel of which less than min_observed_fraction was seen in both has no leaf area.
 void set_leaf_area(PanelValue& value, const LeafSum& sum, double length_m, double row_spacing_m,
                    const IntegrationOptions& integration, const LeafOptions& options);

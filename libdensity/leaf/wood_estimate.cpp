@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "libdensity/integration/interval.h"
 #include "libdensity/integration/row_shares.h"
 
 namespace rayfield::density {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr int kSteps = 500;                  // of each half of the quadrature
 constexpr double kReach = 6;                 // standard deviations of ln W that it covers
-constexpr double kHeld = 1.959963984540054;  // 97.5 % of a normal distribution
 
 // A point of the quadrature, and the belief around it.
 struct Believed {
@@ -58,11 +58,12 @@ std::optional<ThinWood> wood_of_panel(const PanelValue& value, const Panel& pane
 void set_leaf_area(PanelValue& value, const ThinWood& wood) {
   const double plants = value.leaf_area_m2;
   if (!(plants > 0)) return;
-  const double half = value.ci_high_m2 - plants, left = 1 - wood.mean / plants;
+  const Reach reach{plants - value.ci_low_m2, value.ci_high_m2 - plants};
+  const double left = 1 - wood.mean / plants;
   value.leaf_area_m2 = plants - wood.mean;
   value.leaf_area_per_m *= left, value.lai *= left, value.se_leaf_area_m2 *= left;
-  value.ci_low_m2 = std::max(0.0, value.leaf_area_m2 - std::hypot(wood.most - wood.mean, half));
-  value.ci_high_m2 = value.leaf_area_m2 + std::hypot(wood.mean, half);
+  value.ci_low_m2 = std::max(0.0, value.leaf_area_m2 - std::hypot(wood.most - wood.mean, reach.below));
+  value.ci_high_m2 = value.leaf_area_m2 + std::hypot(wood.mean, reach.above);
 }
 
 // What of the plants of each panel is wood, and of the row's where a panel does not tell.
@@ -87,7 +88,7 @@ ThinWood believe_wood(double plant_per_side, const WoodPriorOptions& options) {
   double sum = 0, moment = 0;
   for (const Believed& point : points) sum += point.weight, moment += point.weight * point.wood;
   if (!(sum > 0)) return {plant_per_side, plant_per_side};  // far less than vines have: all of it can be wood
-  return {moment / sum, std::min(plant_per_side, options.per_side * std::pow(options.spread, kHeld))};
+  return {moment / sum, std::min(plant_per_side, options.per_side * std::pow(options.spread, kNormal95))};
 }
 
 RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const WoodPriorOptions& options,

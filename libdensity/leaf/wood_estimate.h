@@ -27,8 +27,8 @@ ThinWood believe_wood(double plant_per_side, const WoodPriorOptions& options);
 
 /// Takes the expected wood out of the plants of a row, in each panel by its share of the panel's plants, and writes
 /// what is left as leaf area into `values`, which hold what the scan's own rays say of `panels`. With A the panel's
-/// area without masked wood, h half of its interval there, W the expected wood and W⁺ the most, the interval is
-///   from A − W − √((W⁺ − W)² + h²) to A − W + √(W² + h²), cut at 0:
+/// area without masked wood, h and h⁺ how far its interval reaches below and above it, W the expected wood and W⁺ the
+/// most, the interval is from A − W − √((W⁺ − W)² + h²) to A − W + √(W² + h⁺²), cut at 0:
 /// there may be next to no wood. Panels without a value keep none; their densities lose the row's mean share. The
 /// result has no masked wood.
 RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const WoodPriorOptions& options,

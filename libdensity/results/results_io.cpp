@@ -197,12 +197,11 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
     for (std::size_t i = 0; i < row.size(); ++i) results.panel_values[i].*member = column[i];
   }
 
-  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known. ci_low_m2 is cut at 0.
+  // What a scan's own rays say of leaves and plants is as uncertain: posts and trunks are known.
   for (PanelValue& value : results.panel_values) {
-    const double half = value.ci_high_m2 - value.leaf_area_m2;
+    const double known = value.plant_area_m2 - value.leaf_area_m2;
     value.se_plant_area_m2 = value.se_leaf_area_m2;
-    value.plant_ci_low_m2 = std::max(value.plant_area_m2 - half, 0.0);  // NaN stays NaN
-    value.plant_ci_high_m2 = value.plant_area_m2 + half;
+    value.plant_ci_low_m2 = known + value.ci_low_m2, value.plant_ci_high_m2 = known + value.ci_high_m2;
   }
 
   RAYFIELD_ASSIGN(const auto metre_row, arrays.column<std::int32_t>("metre_row"));

@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kTypicalRangeM = 2;  // from a lane to the row beside it
 constexpr double kThinM = 0.003;      // diameter there
-// Relative error where echoes are counted as hits, by the diameter there: canes are a few millimetres thick. Narrow
-// beams of low detection shares find twice of them, wide ones of high shares half (docs/beams.md, "How far it can be
-// trusted").
-constexpr double kCountedErrorPerM = 35, kMostCountedError = 0.55;
+// Error of the logarithm where echoes are counted as hits, by the diameter there: canes are a few millimetres thick.
+// Beams of low detection shares find twice of them, those of high shares a half to a third (docs/beams.md, "How far it
+// can be trusted").
+constexpr double kCountedErrorPerM = 40, kMostCountedError = 0.65;
 constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 constexpr double kModelError = 0.055;   // and where they are weighed
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
@@ -136,8 +136,9 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   if (!model)
     return note + fmt::format(
                       "and its echoes do not tell what they hold of it (no intensities, too few, or mostly of "
-                      "wood): areas are off by about {:.0f} %, and their intervals say so",
-                      100 * error);
+                      "wood): areas but those of posts and trunks are off by a factor of about {:.1f} either way, and "
+                      "their intervals say so",
+                      std::exp(error));
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);

@@ -16,11 +16,11 @@ inline constexpr int kEchoesVersion = 14;
 inline constexpr int kLeafAnglesVersion = 4;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 4;
-inline constexpr int kResultsVersion = 18;
+inline constexpr int kResultsVersion = 19;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 3;
-inline constexpr int kLeafVersion = 11;
-inline constexpr int kLeafByEstimateVersion = 8;
+inline constexpr int kLeafVersion = 12;
+inline constexpr int kLeafByEstimateVersion = 9;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,    kGroundVersion,     kEvidenceVersion,   kGeometryVersion,    kProfileVersion,

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "libdensity/integration/interval.h"
 #include "libdensity/season/paired_statistics.h"
 #include "libdensity/season/value_error.h"
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "libdensity/integration/interval.h"
 #include "libdensity/season/value_error.h"
 
 namespace rayfield::density {

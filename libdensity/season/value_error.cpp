@@ -1,4 +1,5 @@
 #include "libdensity/season/value_error.h"
+#include "libdensity/integration/interval.h"
 
 #include <algorithm>
 #include <cmath>

@@ -66,8 +66,9 @@ TEST(Integrate, AUniformSlabHasTheClosedFormsOfLaiHeightWidthAndGap) {
   EXPECT_NEAR(v.canopy_width_m, 0.96 * 0.48, 1e-5);
   EXPECT_NEAR(v.gap_fraction, std::exp(-0.5 * 4 * 0.48), 1e-5);
   EXPECT_NEAR(v.se_leaf_area_m2, std::sqrt(16.0 * row.n_along) * std::pow(0.12, 3), 1e-6);
-  const double half = 1.959964 * std::hypot(v.se_leaf_area_m2, 0.025 * v.leaf_area_m2);
-  EXPECT_NEAR(v.ci_high_m2 - v.leaf_area_m2, half, 1e-5);
+  const double factor = std::exp(1.959964 * 0.025), sampling = 1.959964 * v.se_leaf_area_m2;
+  EXPECT_NEAR(v.ci_high_m2, v.leaf_area_m2 + std::hypot(sampling, v.leaf_area_m2 * (factor - 1)), 1e-5);
+  EXPECT_NEAR(v.ci_low_m2, v.leaf_area_m2 - std::hypot(sampling, v.leaf_area_m2 * (1 - 1 / factor)), 1e-5);
   EXPECT_EQ(v.observed_fraction, 1);
 }
 

@@ -157,9 +157,9 @@ TEST(LeafArea, HasAnIntervalOfSamplingAndWhatIsShared) {
   EXPECT_EQ(value.leaf_area_per_m, 0.5);
   EXPECT_EQ(value.lai, 0.2);
   EXPECT_NEAR(value.se_leaf_area_m2, 0.1, 1e-12);
-  const double half = 1.959964 * std::sqrt(0.01 + 0.05 * 0.05 + 0.1 * 0.1);
-  EXPECT_NEAR(value.ci_low_m2, 2 - half, 1e-6);
-  EXPECT_NEAR(value.ci_high_m2, 2 + half, 1e-6);
+  const double factor = std::exp(1.959964 * 0.025), sampling = 1.959964 * std::sqrt(0.01 + 0.1 * 0.1);
+  EXPECT_NEAR(value.ci_low_m2, 2 - std::hypot(sampling, 2 * (1 - 1 / factor)), 1e-6);
+  EXPECT_NEAR(value.ci_high_m2, 2 + std::hypot(sampling, 2 * (factor - 1)), 1e-6);
   set_leaf_area(value, {-0.05, 1.0, 0.01, 0.9}, 4, 2.5, {}, {.wood_error = 0});
   EXPECT_EQ(value.leaf_area_m2, -0.05) << "not cut: means over panels stay right";
   EXPECT_EQ(value.ci_low_m2, 0);

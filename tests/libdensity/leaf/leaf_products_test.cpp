@@ -115,7 +115,7 @@ TEST(LeafProducts, HoldTheWoodWhereTheUserDoesNotWantItEstimated) {
   for (const PanelValue& value : results.panel_values) {
     EXPECT_EQ(value.se_plant_area_m2, value.se_leaf_area_m2);
     EXPECT_NEAR(value.plant_ci_high_m2 - value.plant_area_m2, value.ci_high_m2 - value.leaf_area_m2, 1e-9);
-    EXPECT_NEAR(value.plant_area_m2 - value.plant_ci_low_m2, value.plant_ci_high_m2 - value.plant_area_m2, 1e-9);
+    EXPECT_NEAR(value.plant_area_m2 - value.plant_ci_low_m2, value.leaf_area_m2 - value.ci_low_m2, 1e-9);
     EXPECT_GT(value.plant_ci_high_m2 - value.plant_area_m2, 1.9 * value.se_plant_area_m2);
   }
   EXPECT_THAT(raster_names(block.snapshot().scans[0]), Not(Contains(kLeafRasterName)));
