@@ -153,14 +153,16 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
 
 Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
-  if (f.size() != 3 && f.size() != 4 && f.size() != 6) return damaged(arrays, "the fit has another number of values");
+  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7)
+    return damaged(arrays, "the fit has another number of values");
   if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
   LeafAngleFit fit{f[0], f[1], f[2] != 0};
-  // Before version 2 taken for that of spherical leaves; the others came with version 4.
+  // Before version 2 taken for that of spherical leaves; the others came with version 4, the leverage with 5.
   if (f.size() > 3) fit.aspect.mean_cosine = f[3];
   if (f.size() > 4) fit.aspect.apparent_side = f[4], fit.spherical_looks = f[5];
+  if (f.size() > 6) fit.leverage = f[6];
   if (!(fit.aspect.mean_cosine > 0 && fit.aspect.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
-  if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3))
+  if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3) || !(fit.leverage >= 0))
     return damaged(arrays, "the leaves' aspect cannot be");
   return fit;
 }
@@ -184,8 +186,8 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo));
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns[kColumn] = std::vector<double>{
-        fit.ln_ratio,       fit.error, fit.measured ? 1.0 : 0.0, fit.aspect.mean_cosine, fit.aspect.apparent_side,
-        fit.spherical_looks};
+        fit.ln_ratio,        fit.error,   fit.measured ? 1.0 : 0.0, fit.aspect.mean_cosine, fit.aspect.apparent_side,
+        fit.spherical_looks, fit.leverage};
     return arrays;
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo), make));

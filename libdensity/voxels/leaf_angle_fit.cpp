@@ -135,9 +135,10 @@ std::optional<double> DirectionLikelihood::ln_ratio() const {
 }
 
 LeafAngles LeafAngleFit::angles() const {
-  const double flatter = ln_ratio - spherical_looks;
-  if (!measured || flatter <= kSurelyFlatter) return {LeafAngleType::spherical, 1};
-  const double share = std::min(1.0, (flatter - kSurelyFlatter) / (kCountsWhole - kSurelyFlatter));
+  const double flatter = ln_ratio - spherical_looks, unsure = std::max(1.0, kUsualLeverage / leverage);
+  const double surely = unsure * kSurelyFlatter, whole = unsure * kCountsWhole;
+  if (!measured || !(flatter > surely)) return {LeafAngleType::spherical, 1};
+  const double share = std::min(1.0, (flatter - surely) / (whole - surely));
   return {LeafAngleType::ellipsoidal, std::exp(share * flatter)};
 }
 
@@ -163,6 +164,19 @@ LeafAngleFit fit_ratio(std::span<const DirectionLikelihood* const> parts, const 
   return fit;
 }
 
+double leverage_of(const DirectionLikelihood& all) {
+  constexpr double kLnRatio = 0.4;
+  const auto hits = all.hits_by_steepness();
+  double n = 0, sum = 0, squares = 0;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    const double sine = DirectionCounters::kSine[k];
+    const double flat = leaf_projection({LeafAngleType::ellipsoidal, std::exp(kLnRatio)}, sine);
+    const double change = std::log(flat / leaf_projection({LeafAngleType::spherical, 1}, sine)) / kLnRatio;
+    n += hits[k], sum += hits[k] * change, squares += hits[k] * change * change;
+  }
+  return n > 0 ? std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n))) : 0;
+}
+
 LeafAspect aspect_of(const LeafAngles& angles, const DirectionLikelihood& all) {
   const auto hits = all.hits_by_steepness();
   double cosines = 0, sum = 0;
@@ -182,6 +196,7 @@ LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const L
   for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
   LeafAngleFit fit = angles.type == LeafAngleType::measured ? fit_ratio(used, all) : LeafAngleFit{};
   fit.spherical_looks = all.of_wide_beams() ? kSphericalLooksWide : kSphericalLooks;
+  fit.leverage = leverage_of(all);
   const LeafAngles taken = angles.type == LeafAngleType::measured ? fit.angles() : angles;
   fit.aspect = aspect_of(taken, all);
   return fit;

@@ -50,13 +50,19 @@ class DirectionLikelihood {
 /// −0.1 to 0.3. Through wide beams a little steep: the mean of 24 scans, −0.45 to 0.23 (docs/density.md).
 inline constexpr double kSphericalLooks = 0.12, kSphericalLooksWide = -0.17;
 
+/// How much ln of the leaves' projection differs, as a standard deviation over the hits by the steepness of their rays,
+/// for each unit of ln ratio: 0.11 to 0.17 where a lidar sees steeply up and down, 0.04 to 0.07 where it sees 15° only.
+inline constexpr double kUsualLeverage = 0.11;
+
 /// What the hits of a scan say of its leaves' angles.
 struct LeafAngleFit {
   double ln_ratio = 0, error = 0;            ///< of Campbell's ellipsoid, and its standard error
   bool measured = false;                     ///< there are enough hits, and they agree
   double spherical_looks = kSphericalLooks;  ///< ln_ratio that leaves turned at random have in the mean
   LeafAspect aspect;                         ///< of the leaves that the hits met
-  /// Leaves are taken for spherical unless they are clearly flatter.
+  double leverage = kUsualLeverage;          ///< as said above
+  /// Leaves are taken for spherical unless they are clearly flatter. The less leverage, the flatter they have to look:
+  /// what apparent density differs by for other reasons, a few per cent, is a larger ratio then.
   LeafAngles angles() const;
 };
 

@@ -105,6 +105,32 @@ TEST(LeafAngleFit, ThroughWideBeamsSphericalLeavesLookAnotherWay) {
   EXPECT_EQ(fit_leaf_angles(parts_of(0.8, 0, false)).aspect.apparent_side, 1);
 }
 
+// Rays that go up to 15° up and down: what makes apparent density differ by a few per cent looks like a large ratio.
+TEST(LeafAngleFit, LevelRaysHaveToSayMore) {
+  std::vector<DirectionLikelihood> level(8, DirectionLikelihood(std::nullopt));
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (std::size_t v = 0; v < 30000; ++v) {
+    DirectionCounters voxel;
+    const double density = 0.2 + 0.8 * uniform(engine);
+    for (const std::size_t k : {0, 1, 2}) {
+      const double path = 40 * uniform(engine);
+      const double more = 1 + 0.03 * static_cast<double>(k);  // of apparent density, for whatever reason
+      const double met =
+          path * density * more * leaf_projection({LeafAngleType::spherical, 1}, DirectionCounters::kSine[k]);
+      voxel.add_path(k, path);
+      voxel.hits[k] = std::poisson_distribution<long>(met)(engine);
+    }
+    level[v % level.size()].add(voxel);
+  }
+  const LeafAngleFit fit = fit_leaf_angles(level), steep = fit_leaf_angles(parts_of(1, 0, false));
+  ASSERT_TRUE(fit.measured);
+  EXPECT_GT(fit.ln_ratio, 0.5) << "as flat as some leaves are";
+  EXPECT_LT(fit.leverage, 0.06);
+  EXPECT_EQ(fit.angles().type, LeafAngleType::spherical);
+  EXPECT_GT(steep.leverage, kUsualLeverage);
+}
+
 TEST(LeafAngleFit, LeavesAreSphericalUnlessTheyAreClearlyFlatter) {
   const auto ratio_of = [](double ln_ratio) {
     const LeafAngles angles = LeafAngleFit{ln_ratio, 0.05, true}.angles();
