@@ -26,17 +26,19 @@ constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and 
 constexpr double kMostLacking = 0.3;
 constexpr double kCutOfFull = 0.32;  // scatter of full echoes by what edges cut off, by the beam's width over a side
 constexpr double kUsualAngleDependence = 0.5, kUsualScatter = 0.15;
-constexpr double kMostAngleDependence = 0.9;     // a blade is not so flat that it vanishes when seen edge-on
-constexpr double kWeakestShare = 0.02;           // of the echoes lie below the detection share,
-constexpr double kWeakest = 1.03;                // nearly: where they begin, in detection shares
-constexpr double kOneBeamsPreviousBeside = 0.2;  // or more, of the echoes
+constexpr double kMostAngleDependence = 0.9;  // a blade is not so flat that it vanishes when seen edge-on
+constexpr double kWeakestShare = 0.02;        // of the echoes lie below the detection share,
+constexpr double kWeakest = 1.03;             // nearly: where they begin, in detection shares
+constexpr double kOneBeamsBeside = 0.2;       // or more, of the echoes
 // What else is off where several beams go out at a time, the law being one beam's and leaves being found less well.
 constexpr double kSeveralBeamsError = 0.08;
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
 // beam of kSmearM adds and what a metre of range resolution takes away.
 constexpr double kSmearM = 0.060, kUnmixed = 0.27, kSmear = 1.02, kMixedPerM = 3.03, kMostMixedM = 0.4;
-constexpr double kSeveralBeamsOfLeaf = 0.5;  // full echoes: weaker ones are not taken for one of a leaf's
-constexpr double kSeveralBeamsSmearPower = 1.5;
+// Of lidars with several beams at a time, whose rays are farther from each other: full echoes, of which weaker ones are
+// not taken for one of a leaf's, the depths and the distances that are looked at, and how much too large a side looks.
+constexpr double kSeveralBeamsOfLeaf = 0.5, kSeveralBeamsWindowM = 0.08, kSeveralBeamsFarthestM = 0.06;
+constexpr double kSeveralBeamsSmear = 1.12;
 constexpr double kWeakestFullEcho = 0.5;  // of leaves turned somehow, over that of leaves turned at random
 constexpr int kRounds = 4;                // full echo, detection share and size of leaves depend on each other
 
@@ -90,11 +92,13 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
   const bool one_beam = sends_one_beam(statistics);
   const LeafSizePairs pairs = statistics.pairs_from(one_beam ? 0 : model.full_echo * kSeveralBeamsOfLeaf);
   // Of one lidar's beam ranges that scatter are means of several leaves, which b tells: the usual windows.
-  const LeafSize apparent = one_beam ? estimate_leaf_size(counts_of(pairs, kUsualWindows.window_m), kUsualWindows)
-                                     : estimate_leaf_size(pairs);
+  PairWindows windows = kUsualWindows;
+  if (!one_beam)
+    windows = {kSeveralBeamsWindowM, std::max(kUsualWindows.range_noise_m, range_noise_of(pairs)),
+               kSeveralBeamsFarthestM};
+  const LeafSize apparent = estimate_leaf_size(counts_of(pairs, windows.window_m), windows);
   const double widths = model.mean_width_m / kSmearM, resolution_m = std::min(kMostMixedM, model.range_resolution_m);
-  const double smear = one_beam ? std::exp(kUnmixed + kSmear * widths - kMixedPerM * resolution_m)
-                                : 1 + std::pow(widths, kSeveralBeamsSmearPower);
+  const double smear = one_beam ? std::exp(kUnmixed + kSmear * widths - kMixedPerM * resolution_m) : kSeveralBeamsSmear;
   model.leaf_size_from = apparent.measured ? LeafSizeFrom::pairs : LeafSizeFrom::nothing;
   model.leaf_size_m2 = apparent.measured ? apparent.area_m2 / (smear * smear) : apparent.area_m2;
 }
@@ -198,8 +202,8 @@ EchoModel with_aspect(EchoModel model, const LeafAspect& aspect) {
 }
 
 bool sends_one_beam(const EchoStatistics& statistics) {
-  return static_cast<double>(statistics.previous_beside()) >
-         kOneBeamsPreviousBeside * static_cast<double>(statistics.echoes());
+  return static_cast<double>(statistics.same_beam_beside()) >
+         kOneBeamsBeside * static_cast<double>(statistics.echoes());
 }
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {

@@ -38,8 +38,8 @@ class EchoStatistics {
   void add_wood_echo() { ++wood_echoes_; }
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
   void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
-  /// That the ray of such a pair was the previous one and went past within 4 cm.
-  void add_previous_beside() { ++previous_beside_; }
+  /// That one beam turned from one ray of such a pair to the other, which went past within 4 cm.
+  void add_same_beam_beside() { ++same_beam_beside_; }
   void merge(const EchoStatistics& other);
 
   std::uint64_t echoes() const;
@@ -51,7 +51,7 @@ class EchoStatistics {
   AngleDependence ground_dependence() const;
   std::uint64_t wood_echoes() const { return wood_echoes_; }
   /// Of lidars with one beam most echoes have one, of lidars with several at a time few.
-  std::uint64_t previous_beside() const { return previous_beside_; }
+  std::uint64_t same_beam_beside() const { return same_beam_beside_; }
   /// [intensity]: number of echoes
   const std::vector<std::uint32_t>& histogram() const { return histogram_; }
   /// Pairs of which only echoes of at least so much count: weaker ones lie at edges, where the middle of the beam goes
@@ -64,7 +64,7 @@ class EchoStatistics {
   std::array<Sum, kWidthBins> all_{};
   std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
   std::vector<FullEcho> full_;
-  std::uint64_t wood_echoes_ = 0, previous_beside_ = 0;
+  std::uint64_t wood_echoes_ = 0, same_beam_beside_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
 };

@@ -224,7 +224,7 @@ LeafSize estimate_leaf_size(const PairCounts& counts, const PairWindows& windows
   LeafSize out;
   // Close pairs tell most and are least disturbed by the arrangement of the leaves; wide ones are the way out for
   // lidars with coarse steps.
-  std::vector<Observed> observed = observe(counts, kNearestM, LeafSizePairs::kCloseM);
+  std::vector<Observed> observed = observe(counts, kNearestM, windows.farthest_m);
   if (total_weight(observed) < kEnoughPairs) observed = observe(counts, kNearestM, 0.08);
   out.pairs = static_cast<std::uint64_t>(total_weight(observed));
   if (out.pairs < kEnoughPairs) return out;

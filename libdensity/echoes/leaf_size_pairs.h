@@ -34,7 +34,8 @@ struct LeafSizePairs {
 /// Depths that are looked at together, and what they hold.
 struct PairWindows {
   double window_m = 0.05;  ///< w, whole steps of Δ: leaf tilt at r ≤ 4 cm and the ranges' noise stay mostly inside
-  double range_noise_m = 0.012;  ///< standard deviation of one range
+  double range_noise_m = 0.012;                ///< standard deviation of one range
+  double farthest_m = LeafSizePairs::kCloseM;  ///< r, where there are enough pairs up to there
 };
 
 /// Pairs by r: rays that come near (Δ ≥ −2w), and those that end in front (−2w ≤ Δ < −w), at the same depth (|Δ| < w)

@@ -7,14 +7,19 @@
 
 namespace rayfield::density {
 
-/// Which ray went beside another one, of a scan's rays in the order of time. Of lidars with one beam it is the previous
-/// one. Where that went more than 1.2° away, as lidars with several beams at a time go from beam to beam, it is the
-/// nearest in direction among the last 128 rays of 3 ms, whatever it met: the nearest of those that hit would be one
-/// between which and the ray others went past, and make leaves look small.
+/// Which ray went beside another one, of a scan's rays in the order of time. Of one beam that turns it is the previous
+/// one. Where that went more than 1.2° away, or less far but at once, as lidars go from beam to beam that send several
+/// at a time, it is the nearest in direction among the last 128 rays of 3 ms, whatever it met: the nearest of those that
+/// hit would be one between which and the ray others went past, and make leaves look small.
 class BeamNeighbours {
  public:
-  /// The number of the ray beside one of this direction (unit vector), if that was on a leaf and is less than 8° away.
-  std::optional<std::size_t> on_leaf_beside(const Eigen::Vector3d& direction, double time_s) const;
+  struct Beside {
+    std::size_t number = 0;
+    bool same_beam = false;  ///< that beam turned from one to the other
+    bool operator==(const Beside&) const = default;
+  };
+  /// The ray beside one of this direction (unit vector), if that was on a leaf and is less than 8° away.
+  std::optional<Beside> on_leaf_beside(const Eigen::Vector3d& direction, double time_s) const;
   /// The next ray; its number, as on_leaf_beside() gives it.
   void add(std::size_t number, const Eigen::Vector3d& direction, double time_s, bool on_leaf);
 

@@ -140,12 +140,12 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
       const bool may_pair = counts_pairs_ && !left_out && !counted.on_wood;
       const auto beside = may_pair ? neighbours.on_leaf_beside(d, segments.time_s[i]) : std::nullopt;
       if (beside) {
-        const Eigen::Vector3d to_hit = segments.exit[*beside] - p;
+        const Eigen::Vector3d to_hit = segments.exit[beside->number] - p;
         const double along = to_hit.dot(d), distance = (to_hit - along * d).norm();
         pairs_.add(distance, length - along, hit);
         if (statistics != nullptr) {
-          statistics->add_pair(segments.intensity[*beside], segments.intensity[i], distance, length - along, hit);
-          if (*beside + 1 == i && distance < LeafSizePairs::kCloseM) statistics->add_previous_beside();
+          statistics->add_pair(segments.intensity[beside->number], segments.intensity[i], distance, length - along, hit);
+          if (beside->same_beam && distance < LeafSizePairs::kCloseM) statistics->add_same_beam_beside();
         }
       }
     }

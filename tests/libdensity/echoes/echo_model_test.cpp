@@ -35,7 +35,7 @@ void add_close_pairs(EchoStatistics& statistics) {
   const auto strong = static_cast<std::uint16_t>(kFull);
   for (int i = 0; i < 6000; ++i)
     statistics.add_pair(strong, strong, 0.012 + 0.005 * (i % 5), i % 4 == 0 ? 0.2 : 0, true),
-        statistics.add_previous_beside();
+        statistics.add_same_beam_beside();
 }
 
 // exp(0.21 − 0.56·weakest/mean + 1.06·(D/s)·exp(−b/0.25 m)), what 2 % do not reach being the
@@ -170,7 +170,7 @@ TEST(EchoModel, LidarsWithOneBeamAreToldByThePreviousBeam) {
 
 TEST(EchoModel, SeveralBeamsAtATimeAreTrustedLess) {
   EchoStatistics several = whole_leaves(0.03, 0.5), one = several;
-  for (int i = 0; i < 20000; ++i) one.add_previous_beside();
+  for (int i = 0; i < 20000; ++i) one.add_same_beam_beside();
   const auto of_one = estimate_echo_model(one, lidar(0.03)), of_several = estimate_echo_model(several, lidar(0.03));
   EXPECT_EQ(of_one->full_echo, of_several->full_echo);
   EXPECT_NEAR(of_several->full_echo_error, std::hypot(of_one->full_echo_error, 0.08), 1e-9);
@@ -200,6 +200,22 @@ TEST(EchoModel, LeavesLookSmallerThroughCoarserRangeResolutions) {
   EXPECT_EQ(area_m2(0.5), area_m2(0.4));
 }
 
+// One range in two pairs of depths, 7 cm apart: what lidars with several beams take for one leaf, and others do not.
+TEST(EchoModel, LeavesOfSeveralBeamsAreLookedForInWiderWindowsAndFartherOff) {
+  EchoStatistics several = whole_leaves(0.03, 0.5);
+  const auto strong = static_cast<std::uint16_t>(kFull), weak = static_cast<std::uint16_t>(0.3 * kFull);
+  for (int i = 0; i < 20000; ++i) several.add_pair(strong, strong, 0.0125 + 0.005 * (i % 10), 0.07 * (i % 2), true);
+  EchoStatistics one = several, weaker = several;
+  for (int i = 0; i < 20000; ++i) one.add_same_beam_beside();
+  // Weak echoes do not count: these would make leaves of nothing.
+  for (int i = 0; i < 20000; ++i) weaker.add_pair(weak, weak, 0.0125 + 0.005 * (i % 10), 0.3, true);
+  EchoKnowledge known = lidar(0.03);
+  known.leaf_size_m2 = -1, known.full_echo = kFull;
+  const auto area_m2 = [&](const EchoStatistics& s) { return estimate_echo_model(s, known)->leaf_size_m2; };
+  EXPECT_GT(area_m2(several), 2 * area_m2(one));
+  EXPECT_EQ(area_m2(weaker), area_m2(several));
+}
+
 TEST(EchoModel, WhatIsKnownIsTaken) {
   EchoKnowledge known = lidar(0.03);
   known.full_echo = 2500, known.beam.detection_share = 0.4;
@@ -219,7 +235,7 @@ TEST(EchoModel, TheLostShareDoesNotGoWithTheUnitOfIntensities) {
     std::uniform_real_distribution<double> strength(0.25, 1);
     for (int i = 0; i < 200000; ++i)
       statistics.add_echo(static_cast<std::uint16_t>(std::lround(full * strength(rng))), 0.03);
-    for (int i = 0; i < 100000; ++i) statistics.add_previous_beside();
+    for (int i = 0; i < 100000; ++i) statistics.add_same_beam_beside();
     EchoKnowledge known = lidar(0.03);
     known.full_echo = full, known.beam.detection_share = 0.25;
     const auto model = estimate_echo_model(statistics, known);
