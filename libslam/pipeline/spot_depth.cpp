@@ -71,6 +71,8 @@ Result<SpotDepth> choose_spot_depth(const LogReader& read, const Rig& rig, const
   if (out.limit_m > 0 || !rig.lidar.beam) return out;
   out.limit_m = rig.lidar.beam->range_resolution_m.value_or(kDefaultLimit_m);
   if (rig.lidar.beam->range_resolution_m || rig.lidar.beam->diameter_at(kWideRange_m) < kWide_m) return out;
+  // Only the first echo of a deep spot lies nearer than its middle: of the strongest it would be measured too large.
+  if (rig.lidar.beam->returns.value_or(ReturnMode::first) != ReturnMode::first) return out;
   const auto start = std::chrono::steady_clock::now();
   SlamOptions unlimited = options;
   unlimited.surfels.max_spot_depth_m = std::numeric_limits<double>::infinity();
