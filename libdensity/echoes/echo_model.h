@@ -34,6 +34,10 @@ struct EchoModel {
   double mean_echo_weight = 0;
   /// Whether the scan lacks the downward rays that came back from nowhere (VoxelOptions::sure_return_m is not 0).
   bool lacks_downward_misses = false;
+  bool several_beams = false;  ///< at a time
+  /// Whether the cloud holds every ray, also those that came back from nowhere below the horizon: of lidars with one
+  /// beam at a time it holds those that `add` can tell from the gaps they leave (docs/density.md).
+  bool sees_all_rays() const { return several_beams && !lacks_downward_misses; }
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are
@@ -65,8 +69,8 @@ bool sends_one_beam(const EchoStatistics& statistics);
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by
-/// exp(0.27 + 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo,
-/// and 1 + (D/60 mm)^1.5. Fitted, to simulated scans (docs/beams.md): all numbers here.
+/// exp(0.27 + 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo
+/// up to 6 cm apart, in windows of ± 8 cm, and 1.12. Fitted, to simulated scans (docs/beams.md): all numbers here.
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

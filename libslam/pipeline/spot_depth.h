@@ -19,9 +19,9 @@ struct SpotDepth {
   double seconds = 0;  ///< that it took
 };
 
-/// The limit that the options give, else the range resolution that the rig states, else, for a wide beam, that which
-/// the first minute of the log tells if the lidar reports the first echo, else 0.15 m. Errors: those of reading the log; a minute that cannot be
-/// reconstructed only leaves the limit unmeasured.
+/// The limit that the options give, else the range resolution that the rig states, else, for a wide beam of a lidar
+/// that reports the first echo, that which the first minute of the log tells, else 0.15 m. Errors: those of reading the
+/// log; a minute that cannot be reconstructed only leaves the limit unmeasured.
 Result<SpotDepth> choose_spot_depth(const LogReader& read, const Rig& rig, const SlamOptions& options,
                                     Progress& progress);
 
