@@ -11,8 +11,8 @@
 namespace rayfield::density {
 namespace {
 
-constexpr int kSteps = 500;                  // of each half of the quadrature
-constexpr double kReach = 6;                 // standard deviations of ln W that it covers
+constexpr int kSteps = 500;   // of each half of the quadrature
+constexpr double kReach = 6;  // standard deviations of ln W that it covers
 
 // A point of the quadrature, and the belief around it.
 struct Believed {

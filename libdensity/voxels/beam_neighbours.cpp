@@ -7,15 +7,16 @@ namespace {
 
 // Squares of the distances between unit vectors.
 constexpr float kPreviousSquare = 4.4e-4F;  // 1.2°: steps of lidars with one beam are smaller
-// No mirror turns faster (320 Hz; surveying lidars' up to 250). From one of several beams to the next, 0.2 to 2° and 0 to
-// 3 µs away, it is mostly more than 10 000.
-constexpr double kFastestTurn = 2000;  // rad/s
-constexpr float kFarthestSquare = 0.02F;    // 8°
-constexpr double kLatestS = 0.003;          // the vehicle goes a few millimetres meanwhile
+// No mirror turns faster (320 Hz; surveying lidars' up to 250). From one of several beams to the next, 0.2 to 2° and 0
+// to 3 µs away, it is mostly more than 10 000.
+constexpr double kFastestTurn = 2000;     // rad/s
+constexpr float kFarthestSquare = 0.02F;  // 8°
+constexpr double kLatestS = 0.003;        // the vehicle goes a few millimetres meanwhile
 
 }  // namespace
 
-std::optional<BeamNeighbours::Beside> BeamNeighbours::on_leaf_beside(const Eigen::Vector3d& direction, double time_s) const {
+std::optional<BeamNeighbours::Beside> BeamNeighbours::on_leaf_beside(const Eigen::Vector3d& direction,
+                                                                     double time_s) const {
   if (on_leaf_ == 0) return std::nullopt;
   const Eigen::RowVector3f to = direction.cast<float>().transpose();
   std::size_t beside = last();

@@ -9,8 +9,8 @@ namespace rayfield::density {
 
 /// Which ray went beside another one, of a scan's rays in the order of time. Of one beam that turns it is the previous
 /// one. Where that went more than 1.2° away, or less far but at once, as lidars go from beam to beam that send several
-/// at a time, it is the nearest in direction among the last 128 rays of 3 ms, whatever it met: the nearest of those that
-/// hit would be one between which and the ray others went past, and make leaves look small.
+/// at a time, it is the nearest in direction among the last 128 rays of 3 ms, whatever it met: the nearest of those
+/// that hit would be one between which and the ray others went past, and make leaves look small.
 class BeamNeighbours {
  public:
   struct Beside {

@@ -144,7 +144,8 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         const double along = to_hit.dot(d), distance = (to_hit - along * d).norm();
         pairs_.add(distance, length - along, hit);
         if (statistics != nullptr) {
-          statistics->add_pair(segments.intensity[beside->number], segments.intensity[i], distance, length - along, hit);
+          statistics->add_pair(segments.intensity[beside->number], segments.intensity[i], distance, length - along,
+                               hit);
           if (beside->same_beam && distance < LeafSizePairs::kCloseM) statistics->add_same_beam_beside();
         }
       }
