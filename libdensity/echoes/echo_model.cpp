@@ -89,7 +89,7 @@ void measure_leaves(const EchoStatistics& statistics, const EchoKnowledge& known
     model.leaf_size_m2 = known.leaf_size_m2, model.leaf_size_from = LeafSizeFrom::options;
     return;
   }
-  const bool one_beam = !model.several_beams;
+  const bool one_beam = sends_one_beam(statistics);
   const LeafSizePairs pairs = statistics.pairs_from(one_beam ? 0 : model.full_echo * kSeveralBeamsOfLeaf);
   // Of one lidar's beam ranges that scatter are means of several leaves, which b tells: the usual windows.
   PairWindows windows = kUsualWindows;
@@ -182,7 +182,7 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
     model.full_echo_per_cosine = of_full.weight() / weights * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
-  if (model.several_beams) model.full_echo_error = std::hypot(model.full_echo_error, kSeveralBeamsError);
+  if (!sends_one_beam(statistics)) model.full_echo_error = std::hypot(model.full_echo_error, kSeveralBeamsError);
 }
 
 }  // namespace
@@ -211,7 +211,7 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
-  model.mean_width_m = mean_width(statistics.all()), model.several_beams = !sends_one_beam(statistics);
+  model.mean_width_m = mean_width(statistics.all());
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
   const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
   const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());

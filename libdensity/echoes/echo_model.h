@@ -34,10 +34,6 @@ struct EchoModel {
   double mean_echo_weight = 0;
   /// Whether the scan lacks the downward rays that came back from nowhere (VoxelOptions::sure_return_m is not 0).
   bool lacks_downward_misses = false;
-  bool several_beams = false;  ///< at a time
-  /// Whether the cloud holds every ray, also those that came back from nowhere below the horizon: of lidars with one
-  /// beam at a time it holds those that `add` can tell from the gaps they leave (docs/density.md).
-  bool sees_all_rays() const { return several_beams && !lacks_downward_misses; }
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are

@@ -11,9 +11,8 @@ constexpr int kRounds = 3;
 // What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How it is taken out"):
 // times the unreturned share and the optical path across the row, fading with the range resolution,
 constexpr double kUnreturnedAcross = 2.4, kFadesM = 0.25;
-// the lost share over the optical path across, for wood, or, where a cloud holds all rays, the square of the lost
-// share: what is lost among pieces that are themselves below the detection share, and
-constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3, kLostTwice = 22;
+// the lost share over the optical path across, for wood, and
+constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
 constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // of lidars that report the strongest echo, what weaker ones before it took, weaker than half of the beam, since what
@@ -108,7 +107,8 @@ class ReturnedOfRow {
     const double widths = model_.leaf_size_m2 > 0 ? width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
-    const double missing = kUnreturnedAcross * unreturned + lost(row.thickness) +
+    const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
+    const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
                            kCutByEdges * widths * (1 - kAddedUp * together) + before_stronger(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
@@ -116,11 +116,6 @@ class ReturnedOfRow {
   void learn(std::span<const VoxelSums> sums) { row_ = row_along(sums, section_); }
 
  private:
-  double lost(double thickness) const {
-    if (model_.sees_all_rays()) return kLostTwice * model_.lost_share * model_.lost_share;
-    return thickness > 0 ? kLostOfWood * model_.lost_share / std::max(kLeastAcross, thickness) : 0;
-  }
-
   /// −ln of what is left of the path for what weaker echoes before the strongest took.
   double before_stronger(double widths, double thickness) const {
     if (model_.beam.returns != ReturnMode::strongest) return 0;

@@ -19,19 +19,20 @@ std::optional<BeamNeighbours::Beside> BeamNeighbours::on_leaf_beside(const Eigen
                                                                      double time_s) const {
   if (on_leaf_ == 0) return std::nullopt;
   const Eigen::RowVector3f to = direction.cast<float>().transpose();
-  std::size_t beside = last();
+  const std::size_t previous = last();
+  std::size_t beside = previous;
   float nearest = (directions_.row(static_cast<Eigen::Index>(beside)) - to).squaredNorm();
-  const double turned = kFastestTurn * (time_s - rays_[beside].time_s);
-  const bool same_beam = turned > 0 && nearest <= kPreviousSquare && static_cast<double>(nearest) <= turned * turned;
-  if (!same_beam) {
+  const double turned = kFastestTurn * (time_s - rays_[previous].time_s);
+  const bool one_beam = turned > 0 && static_cast<double>(nearest) <= turned * turned;
+  if (!one_beam || nearest > kPreviousSquare) {
     Squares squares = (directions_.rowwise() - to).rowwise().squaredNorm().array();
-    for (std::size_t i = next_; time_s - rays_[i].time_s >= kLatestS && i != last(); i = (i + 1) % kRays)
+    for (std::size_t i = next_; time_s - rays_[i].time_s >= kLatestS && i != previous; i = (i + 1) % kRays)
       squares(static_cast<Eigen::Index>(i)) = kFarthestSquare;
     nearest = squares.minCoeff();
     beside = static_cast<std::size_t>(std::find(squares.begin(), squares.end(), nearest) - squares.begin());
   }
   if (!(nearest < kFarthestSquare) || !rays_[beside].on_leaf) return std::nullopt;
-  return Beside{rays_[beside].number, same_beam};
+  return Beside{rays_[beside].number, one_beam && beside == previous};
 }
 
 void BeamNeighbours::add(std::size_t number, const Eigen::Vector3d& direction, double time_s, bool on_leaf) {

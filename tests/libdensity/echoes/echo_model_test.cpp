@@ -172,8 +172,6 @@ TEST(EchoModel, SeveralBeamsAtATimeAreTrustedLess) {
   EchoStatistics several = whole_leaves(0.03, 0.5), one = several;
   for (int i = 0; i < 20000; ++i) one.add_same_beam_beside();
   const auto of_one = estimate_echo_model(one, lidar(0.03)), of_several = estimate_echo_model(several, lidar(0.03));
-  EXPECT_TRUE(of_several->several_beams && of_several->sees_all_rays());
-  EXPECT_FALSE(of_one->several_beams || of_one->sees_all_rays());
   EXPECT_EQ(of_one->full_echo, of_several->full_echo);
   EXPECT_NEAR(of_several->full_echo_error, std::hypot(of_one->full_echo_error, 0.08), 1e-9);
 }

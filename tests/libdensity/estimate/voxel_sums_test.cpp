@@ -150,17 +150,6 @@ TEST(VoxelSums, TheLessLeavesTheMoreOfWhatIsMissingIsWood) {
   EXPECT_NEAR(many.path, all.path * std::exp(-0.6 * 0.1 / across(many)), 0.02);
 }
 
-// Of a cloud that holds every ray, also those that came back from nowhere below the horizon.
-TEST(VoxelSums, WhereAllRaysAreSeenMuchIsLostWhereMuchIsInPieces) {
-  EchoModel model = model_of(0.1);
-  model.unreturned_share = 0, model.several_beams = true;
-  const VoxelSums all_rays = sums_of(voxel_with(0.5, 0.04), model);
-  EXPECT_NEAR(all_rays.path, (8 + 0.5 * 1.5) * std::exp(-22 * 0.1 * 0.1), 0.02);
-  model.lacks_downward_misses = true;
-  const VoxelSums lacking = sums_of(voxel_with(0.5, 0.04), model);
-  EXPECT_NEAR(lacking.path, (8 + 0.5 * 1.5) * std::exp(-0.6 * 0.1 / 0.3), 0.02);
-}
-
 // Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.
 TEST(VoxelSums, TheThicknessIsThatOfThePlace) {
   const Voxel dense = voxel_with(1, 0.04);

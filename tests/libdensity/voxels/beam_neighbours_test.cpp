@@ -31,6 +31,15 @@ TEST(BeamNeighbours, OfOneBeamThePreviousRayIsBesideAndNoOtherOne) {
   EXPECT_FALSE(rays.on_leaf_beside(direction(30, 0), 100.00012).has_value());
 }
 
+TEST(BeamNeighbours, OfOneBeamInCoarseStepsItIsThePreviousRayToo) {
+  BeamNeighbours rays;
+  rays.add(0, direction(8.1, 0), 100.0, true);
+  rays.add(1, direction(10, 0), 100.00004, true);
+  const auto beside = rays.on_leaf_beside(direction(11.9, 0), 100.00008);
+  EXPECT_EQ(number_of(beside), 1u);
+  EXPECT_TRUE(beside && beside->same_beam);
+}
+
 // 32 beams a degree apart, all sent at once, that turn by 0.7° until the next time.
 TEST(BeamNeighbours, OfSeveralBeamsCloseTogetherTheNearestRayIsBesideAndNotThePreviousOne) {
   BeamNeighbours rays;
