@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "libdensity/posts/post_spacing.h"
 #include "libdensity/posts/posts.h"
 #include "libdensity/posts/stem_thickness.h"
 
@@ -16,22 +17,6 @@ std::vector<std::size_t> sure_posts(const std::vector<PlacedStem>& stems);
 /// where thickness tells posts. NaN: the vine spacing is unknown.
 std::vector<std::size_t> spacing_witnesses(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
                                            double trunk_spacing_m, const StemThickness& thickness);
-
-/// The distance that explains most gaps between sure posts of a row as a whole multiple; NaN without gaps.
-struct UsualSpacing {
-  double spacing_m = 0;
-  /// Most sure posts stand at multiples of the spacing from one of their row, and at least four of them.
-  bool regular = false;
-};
-UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
-                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m);
-
-/// Into how many panels the usual spacing has to be split, 1 to 3: where every second or third post stands at a vine,
-/// the witnesses show the others alone. Those posts' feet tell then: stems at their places, at most of which there are
-/// some, that are thicker than nine of ten stems elsewhere, or, where no trunks are seen and hardly any stem stands
-/// elsewhere, as thick as posts inside the rows.
-int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
-                     const std::vector<std::vector<std::size_t>>& witnesses, double spacing_m, double min_m);
 
 /// What posts and trunks of a block usually are like.
 struct UsualStems {

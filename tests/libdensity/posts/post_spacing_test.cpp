@@ -1,4 +1,4 @@
-#include "libdensity/posts/post_lattice.h"
+#include "libdensity/posts/post_spacing.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ struct Rows {
   UsualSpacing spacing() const { return usual_spacing(stems, sure, 2.5, 15); }
 };
 
-TEST(PostLattice, PostsTellTheirSpacing) {
+TEST(PostSpacing, PostsTellTheirSpacing) {
   Rows rows;
   rows.add({0, 5, 10, 15, 20});
   rows.add({0.1, 5.1, 15.1, 20.1});  // one is not seen
@@ -38,7 +38,7 @@ TEST(PostLattice, PostsTellTheirSpacing) {
 }
 
 // Vines a metre apart stand half-way between posts five metres apart, too; a few of them are as tall.
-TEST(PostLattice, AFewTallVinesHalfwayDoNotHalveIt) {
+TEST(PostSpacing, AFewTallVinesHalfwayDoNotHalveIt) {
   Rows rows;
   rows.add({0, 5, 9.99, 12.52, 14.99, 17.46, 19.99}, {12.52, 17.46});
   rows.add({0, 5, 10, 15, 20});
@@ -48,7 +48,7 @@ TEST(PostLattice, AFewTallVinesHalfwayDoNotHalveIt) {
 }
 
 // In full leaf, with the upper half of some posts hidden.
-TEST(PostLattice, PostsThatFoliageHidesAreNotTakenForLowOnes) {
+TEST(PostSpacing, PostsThatFoliageHidesAreNotTakenForLowOnes) {
   Rows rows;
   rows.add({0, 5, 10, 15, 17.5, 20}, {17.5});
   rows.add({0, 5, 10, 12.5, 15, 20}, {12.5});
@@ -58,7 +58,7 @@ TEST(PostLattice, PostsThatFoliageHidesAreNotTakenForLowOnes) {
 }
 
 // As high as the others they are posts, of which most could not be seen.
-TEST(PostLattice, AFewPostsHalfwayDo) {
+TEST(PostSpacing, AFewPostsHalfwayDo) {
   Rows rows;
   rows.add({0, 5, 10, 12.5, 15, 17.5, 20});
   rows.add({0, 5, 10, 15, 20});
@@ -66,7 +66,7 @@ TEST(PostLattice, AFewPostsHalfwayDo) {
   EXPECT_NEAR(rows.spacing().spacing_m, 2.5, 1e-9);
 }
 
-TEST(PostLattice, PostsOfWhichManyAreNotSeenKeepTheirSpacing) {
+TEST(PostSpacing, PostsOfWhichManyAreNotSeenKeepTheirSpacing) {
   Rows rows;
   rows.add({0, 4, 12, 20, 28, 32});
   rows.add({4, 8, 16, 20, 24});
@@ -76,7 +76,7 @@ TEST(PostLattice, PostsOfWhichManyAreNotSeenKeepTheirSpacing) {
 
 // Between two vines 1.4 m apart stands a post, and the vine nearest to it seems to stand between two as well: a post
 // and that vine are one place of the spacing. Counted twice, what stands at 8 m outweighed what 4 m add.
-TEST(PostLattice, AVineBesideAPostIsNotASecondOne) {
+TEST(PostSpacing, AVineBesideAPostIsNotASecondOne) {
   Rows rows;
   rows.add({0.27, 4.27, 8.06, 8.27, 12.27, 16.26, 16.49, 20.27, 24.27}, {12.27, 20.27});
   rows.add({0.08, 4.08, 7.83, 8.08, 16.08, 16.3, 20.07, 24.07}, {20.07});
@@ -112,7 +112,7 @@ struct HiddenPosts {
   }
 };
 
-TEST(PostLattice, PostsAtVinesShowByTheirFeet) {
+TEST(PostSpacing, PostsAtVinesShowByTheirFeet) {
   const HiddenPosts thick(0.037), thin(0.026);
   EXPECT_NEAR(usual_spacing(thick.stems, thick.witnesses, 2.5, 15).spacing_m, 12, 1e-9);
   EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 2.5), 2);
@@ -121,7 +121,7 @@ TEST(PostLattice, PostsAtVinesShowByTheirFeet) {
 }
 
 // In a block of two short rows most of what every second place has are end posts, and these are taller than the rest.
-TEST(PostLattice, EndPostsDoNotMakeTheOthersLookLow) {
+TEST(PostSpacing, EndPostsDoNotMakeTheOthersLookLow) {
   Rows rows;
   rows.add({0, 10, 15, 20});
   rows.add({0, 20});
@@ -149,13 +149,13 @@ struct PostsAlone {
   }
 };
 
-TEST(PostLattice, WithoutTrunksStemsAsThickAsPostsArePosts) {
+TEST(PostSpacing, WithoutTrunksStemsAsThickAsPostsArePosts) {
   const PostsAlone posts(0.036), trees(0.028);
   EXPECT_EQ(parts_of_spacing(posts.stems, posts.witnesses, 10, 2.5), 2);
   EXPECT_EQ(parts_of_spacing(trees.stems, trees.witnesses, 10, 2.5), 1);
 }
 
-TEST(PostLattice, WithoutTwoPostsInARowThereIsNone) {
+TEST(PostSpacing, WithoutTwoPostsInARowThereIsNone) {
   Rows rows;
   rows.add({3});
   rows.add({});
