@@ -61,6 +61,48 @@ bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
   return added_m / static_cast<double>(added) < median_of(own) - kLowerM;
 }
 
+// Places of a row's posts: chainages start + k·spacing, least squares.
+class PlacesOfRow {
+ public:
+  PlacesOfRow(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& posts, double spacing_m) {
+    double n = 0, k_sum = 0, kk_sum = 0, at_sum = 0, k_at_sum = 0;
+    for (const std::size_t i : posts) {
+      const double at = stems[i].chainage_m, k = std::round((at - stems[posts.front()].chainage_m) / spacing_m);
+      n += 1, k_sum += k, kk_sum += k * k, at_sum += at, k_at_sum += k * at;
+    }
+    spacing_m_ = (n * k_at_sum - k_sum * at_sum) / (n * kk_sum - k_sum * k_sum);
+    start_m_ = (at_sum - spacing_m_ * k_sum) / n;
+  }
+  /// How far a stem stands off the nearest place, with `parts` of them to a spacing.
+  double off_m(double chainage_m, int parts) const {
+    const double spacing_m = spacing_m_ / parts;
+    return std::abs(std::remainder(chainage_m - start_m_, spacing_m));
+  }
+
+ private:
+  double start_m_ = 0, spacing_m_ = 0;
+};
+
+// Whether the sure posts that only the narrower spacing explains stand off its places as those of the wider one do not:
+// posts are set out, vines stand half-way between them by chance.
+bool added_stand_off(const std::vector<std::vector<PlacedStem>>& stems,
+                     const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
+  constexpr std::size_t kLeastPosts = 3;  // of a row, to tell how far off they stand
+  constexpr double kLeastOffM = 0.05, kTimesOff = 3;
+  const int parts = static_cast<int>(std::lround(wide_m / narrow_m));
+  std::vector<double> own_m, added_m;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
+    if (wide.size() < kLeastPosts) continue;
+    const PlacesOfRow places(stems[r], wide, wide_m);
+    for (const std::size_t i : wide) own_m.push_back(places.off_m(stems[r][i].chainage_m, 1));
+    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
+      if (!std::binary_search(wide.begin(), wide.end(), i))
+        added_m.push_back(places.off_m(stems[r][i].chainage_m, parts));
+  }
+  return !added_m.empty() && median_of(added_m) > std::max(kLeastOffM, kTimesOff * median_of(own_m));
+}
+
 // How many places a spacing has in the rows, from the first sure post of each to the last.
 std::size_t places_of(const std::vector<std::vector<PlacedStem>>& stems,
                       const std::vector<std::vector<std::size_t>>& sure, double spacing_m) {
@@ -121,7 +163,8 @@ std::vector<SpacingCandidate> spacing_candidates(const std::vector<std::vector<P
 
 // A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
 // multiples of the one that explains most, the widest that does nearly as well, or whose places are mostly taken, and
-// twice as often as those that the narrower one adds, which are lower. No other spacing may take its place.
+// twice as often as those that the narrower one adds, where the posts are lower or stand off. No other spacing may take
+// its place.
 SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& stems,
                                  const std::vector<std::vector<std::size_t>>& sure,
                                  std::span<const SpacingCandidate> candidates, std::size_t most, std::size_t others) {
@@ -143,7 +186,8 @@ SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& ste
     const bool adds_little = 3 * taken > 2 * own && 2 * others_taken * own < taken * (places - own);
     if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
         (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
-         added_are_lower(stems, sure, widest.spacing_m, c.spacing_m)))
+         (added_are_lower(stems, sure, widest.spacing_m, c.spacing_m) ||
+          added_stand_off(stems, sure, widest.spacing_m, c.spacing_m))))
       widest = c;
   }
   return widest;

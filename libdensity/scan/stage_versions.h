@@ -9,7 +9,7 @@ namespace rayfield::density {
 inline constexpr int kSurveyVersion = 2;
 inline constexpr int kGroundVersion = 1;
 inline constexpr int kEvidenceVersion = 2;
-inline constexpr int kGeometryVersion = 4;
+inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
 inline constexpr int kEchoesVersion = 16;

@@ -57,6 +57,23 @@ TEST(PostSpacing, PostsThatFoliageHidesAreNotTakenForLowOnes) {
   EXPECT_NEAR(rows.spacing().spacing_m, 5, 1e-9);
 }
 
+// In full leaf canes make vines as high as posts. Posts are set out to the centimetre here, and these stand 12 and 16
+// cm off the middle between two.
+TEST(PostSpacing, VinesAsHighAsPostsStandOffTheirPlaces) {
+  Rows rows;
+  rows.add({0, 2.87, 5.5, 10.98, 16.5, 19.09, 21.99});
+  rows.add({0, 5.5, 10.99, 16.49, 21.99});
+  EXPECT_NEAR(rows.spacing().spacing_m, 5.5, 0.02);
+}
+
+// Posts that stand that far off themselves say nothing.
+TEST(PostSpacing, PostsThatAreNotSetOutWellMayHaveSuchBetweenThem) {
+  Rows rows;
+  rows.add({0, 2.87, 5.65, 10.9, 16.6, 19.35, 21.99});
+  rows.add({0, 5.4, 11.1, 16.35, 22.05});
+  EXPECT_NEAR(rows.spacing().spacing_m, 2.75, 0.03);
+}
+
 // As high as the others they are posts, of which most could not be seen.
 TEST(PostSpacing, AFewPostsHalfwayDo) {
   Rows rows;
