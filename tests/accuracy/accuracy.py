@@ -3,13 +3,14 @@
 
     tests/accuracy/accuracy.py RAYFIELD OUT SITE.toml... [--json FILE] [--keep] [--alone]
 
-For every site: simulate, init, add (true poses), process, export; then, against truth, per scan: plant area per panel
-(ratio of totals, RRMSE, response slope), rows found and invented, post positions, ground heights, the plan raster's
-integral; and between scans of one site with equal leaves: RRMSE of panels. A site with a date without leaves has its
-leaf areas compared too, in a second table: the first such date is the dormant scan; later ones are added with
-`--dormant no`, so that their leaf area, 0 in truth, is measured and not known. With --alone each scan has a block of
-its own and none is dormant, so that wood is estimated without a dormant scan; only intervals are judged then. With
---slam the rays come from the logs through `rayfield slam`, with the figures of the trajectory in a second table. Prints
+Sites: sim/sites, or as many as one likes from draw_sites.py, over which a last line sums up. For every site: simulate,
+init, add (true poses), process, export; then, against truth, per scan: plant area per panel (ratio of totals, RRMSE,
+response slope), rows found and invented, post positions, ground heights, the plan raster's integral; and between scans
+of one site with equal leaves: RRMSE of panels. A site with a date without leaves has its leaf areas compared too, in a
+second table: the first such date is the dormant scan; later ones are added with `--dormant no`, so that their leaf
+area, 0 in truth, is measured and not known. With --alone each scan has a block of its own and none is dormant, so that
+wood is estimated without a dormant scan; only intervals are judged then. With --slam the rays come from the logs
+through `rayfield slam`, with the figures of the trajectory in a second table. Prints
 Markdown tables; the exit code is 1 if a figure misses its target. Needs python3-gdal and python3-numpy.
 """
 import argparse
@@ -262,6 +263,15 @@ def print_trajectories(everything):
               f"| {1e3 * f['thickness_m']:.1f} | {60 * f['minutes'] / f['seconds']:.0f} | {' '.join(f['missed']) or '–'} |")
 
 
+def print_summary(scans):
+    """Of plant areas over many sites."""
+    ratios = np.array([f["ratio"] for f in scans])
+    print(f"\n{len(ratios)} scans: plant area {ratios.mean():.3f} of truth in the mean, rms error "
+          f"{100 * np.sqrt(np.mean((ratios - 1) ** 2)):.1f} %, {ratios.min():.3f} to {ratios.max():.3f}; "
+          f"{np.sum(np.abs(ratios - 1) <= 0.05)} within 5 %; intervals hold "
+          f"{sum(f['held'] for f in scans)} of {sum(f['panels'] for f in scans)} panels")
+
+
 def misses(f, targets):
     out = []
     if not targets["ratio"][0] <= f["ratio"] <= targets["ratio"][1]:
@@ -364,6 +374,9 @@ def main():
                 print(f"| {name} | {a} against {b} | | {100 * rrmse:.1f} % between scans | | | | | | | {'repeat' if missed else '–'} |", flush=True)
         if not keep:
             subprocess.run(["rm", "-rf", folder], check=True)
+    scans = [f for of_site in everything.values() for f in of_site.values() if "ratio" in f]
+    if len(everything) > 1:
+        print_summary(scans)
     if leaf_areas:
         print_leaves(leaf_areas)
     if trajectories:
