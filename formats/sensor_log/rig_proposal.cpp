@@ -46,14 +46,18 @@ const char* no_return_of(const LidarInfo& lidar) {
   return "inf";
 }
 
-/// The model where the log names it; else what to fill in.
+constexpr std::string_view kReturnsText =
+    "# returns = \"first\"  # or \"strongest\" or \"last\": the echo that the lidar is set to report (docs/rig.md)\n";
+
+/// The model where the log names it; else what to fill in. No log tells which echo is reported.
 std::string beam_text(const std::string& names) {
   const std::string_view model = model_in_name(names);
-  if (!model.empty()) return fmt::format("model = \"{}\"  # for the width of its beam; guessed from a name\n", model);
+  if (!model.empty())
+    return fmt::format("model = \"{}\"  # for the width of its beam; guessed from a name\n{}", model, kReturnsText);
   return fmt::format(
       "# model = \"{}\"  # for the width of its beam, which no log tells: one of {};\n"
-      "# or beam_diameter_m and beam_divergence_rad from the sensor's data sheet\n",
-      "LMS511", known_lidar_models());
+      "# or beam_diameter_m and beam_divergence_rad from the sensor's data sheet\n{}",
+      "LMS511", known_lidar_models(), kReturnsText);
 }
 
 std::string lidar_text(const LidarInfo& lidar, const std::string& frame_id) {

@@ -149,6 +149,10 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
     note +=
         "; its lidar reports the last echo, so that areas are too small, by up to a half: have it report the first or "
         "the strongest";
+  if (!scan.beam->returns)
+    note +=
+        "; nothing says which of several echoes its lidar reports (`lidar.returns` of the rig), so the first is "
+        "assumed";
   return note + fmt::format("; what is left is about {:.0f} %, in the intervals", 100 * error);
 }
 

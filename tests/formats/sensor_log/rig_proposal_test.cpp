@@ -33,6 +33,19 @@ TEST(RigProposal, NamesTheTopicsAndWaitsForTheMounting) {
   EXPECT_EQ(rig->spinner->topic, "/joints");
 }
 
+TEST(RigProposal, AsksWhichLidarItIsAndWhichEchoItReports) {
+  std::string text = propose_rig(inspect(drive_bag({})));
+  for (std::size_t at = 0; (at = text.find("# imu_from", at)) != std::string::npos;) text.erase(at, 2);
+  for (const char* line : {"# spinner_from_lidar", "# model = \"", "# returns = \""}) {
+    ASSERT_NE(text.find(line), std::string::npos) << line << "\n" << text;
+    text.erase(text.find(line), 2);
+  }
+  const auto rig = parse_rig(text, "proposal");
+  ASSERT_TRUE(rig) << rig.error().line();
+  ASSERT_TRUE(rig->lidar.beam);
+  EXPECT_EQ(rig->lidar.beam->returns, ReturnMode::first);
+}
+
 TEST(RigProposal, SeesTheConventionForNoReturns) {
   for (const auto& [value, convention] :
        {std::pair(static_cast<double>(INFINITY), "inf"), std::pair(0.0, "zero"), std::pair(40.0, "max")}) {

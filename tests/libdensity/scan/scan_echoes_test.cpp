@@ -97,5 +97,15 @@ TEST(ScanEchoes, LastEchoesAreTrustedLess) {
   EXPECT_NE(beam_note(scan, model).find("reports the last echo"), std::string::npos) << beam_note(scan, model);
 }
 
+TEST(ScanEchoes, ThatNothingSaysWhichEchoIsReportedIsTold) {
+  const EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
+  tile::ScanEntry scan = scan_with(0.0136, 0.0119);
+  EXPECT_NE(beam_note(scan, model).find("the first is assumed"), std::string::npos) << beam_note(scan, model);
+  for (const ReturnMode mode : {ReturnMode::first, ReturnMode::strongest, ReturnMode::last}) {
+    scan.beam->returns = mode;
+    EXPECT_EQ(beam_note(scan, model).find("is assumed"), std::string::npos) << beam_note(scan, model);
+  }
+}
+
 }  // namespace
 }  // namespace rayfield::density
