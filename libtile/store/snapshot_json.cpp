@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "libtile/files/store_layout.h"
-#include "libtile/files/whole_number.h"
 #include "rayfield/core/date.h"
+#include "rayfield/tile/whole_number.h"
 
 namespace rayfield::tile {
 namespace {

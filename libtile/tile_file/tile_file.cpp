@@ -4,9 +4,9 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
-#include "libtile/files/whole_number.h"
 #include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_write.h"
+#include "rayfield/tile/whole_number.h"
 
 namespace rayfield::tile {
 namespace {
