@@ -7,6 +7,7 @@
 
 #include "rayfield/core/file.h"
 #include "rayfield/core/text_file.h"
+#include "rayfield/tile/whole_number.h"
 #include "version.h"
 
 namespace rayfield::cli {
@@ -59,8 +60,9 @@ void ExportFolder::read_list() {
     listed_content_ = json.at("content").get<std::string>();
     for (const ordered_json& file : json.at("files")) {
       const auto name = file.at("name").get<std::string>();
-      listed_[name] = {file.at("snapshot").get<std::uint64_t>(), file.at("size").get<std::uint64_t>(),
-                       file.at("sha256").get<std::string>(), file.at("source").get<std::string>()};
+      listed_[name] = {tile::whole_number<std::uint64_t>(file.at("snapshot")),
+                       tile::whole_number<std::uint64_t>(file.at("size")), file.at("sha256").get<std::string>(),
+                       file.at("source").get<std::string>()};
       if (file.at("of_this_export").get<bool>()) listed_products_.push_back(name);
     }
   } catch (const std::exception&) {

@@ -1,9 +1,12 @@
 #include "libdensity/registry/layout_store.h"
 
+#include <exception>
+
 #include "libdensity/registry/identity.h"
 #include "libdensity/registry/layout_arrays.h"
 #include "libdensity/tiles/derive.h"
 #include "libdensity/tiles/stored.h"
+#include "rayfield/tile/whole_number.h"
 
 namespace rayfield::density {
 namespace {
@@ -78,8 +81,8 @@ Result<StoredNames> read_stored_names(const tile::Store& store, const tile::Snap
     names.block = {json.at("block").get<std::string>(), json.at("farm").get<std::string>(),
                    json.at("variety").get<std::string>()};
     for (const auto& [uid, row] : json.at("rows").items())
-      names.rows[uid] = {row.at("number").get<int>(), row.at("name").get<std::string>()};
-  } catch (const nlohmann::json::exception& e) {
+      names.rows[uid] = {tile::whole_number<int>(row.at("number")), row.at("name").get<std::string>()};
+  } catch (const std::exception& e) {
     return damaged(arrays, std::string("its attributes are not what they should be: ") + e.what());
   }
   return names;

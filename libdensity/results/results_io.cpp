@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "libdensity/results/stored_descriptors.h"
+#include "rayfield/tile/whole_number.h"
 
 namespace rayfield::density {
 namespace {
@@ -42,8 +44,8 @@ Result<Grid2<float>> grid_from(const json& description, std::uint64_t& left, con
   Grid2<float> grid;
   grid.origin = {description.at("origin").at(0).get<double>(), description.at("origin").at(1).get<double>()};
   grid.cell_m = description.at("cell_m").get<double>();
-  grid.nx = description.at("nx").get<int>();
-  grid.ny = description.at("ny").get<int>();
+  grid.nx = tile::whole_number<int>(description.at("nx"));
+  grid.ny = tile::whole_number<int>(description.at("ny"));
   if (grid.nx < 0 || grid.ny < 0) return damaged(what, "a grid has a negative size");
   if (!grid.origin.allFinite() || !std::isfinite(grid.cell_m) || grid.cell_m <= 0)
     return damaged(what, "a grid has no place or no cells");
@@ -226,7 +228,7 @@ Result<ScanResults> results_from_arrays(const tile::ArraySet& arrays, const RowL
       results.scan.fruit_zone_low_m = attributes.at("fruit_zone_m").at(0).get<double>();
       results.scan.fruit_zone_high_m = attributes.at("fruit_zone_m").at(1).get<double>();
     }
-  } catch (const json::exception& e) {
+  } catch (const std::exception& e) {
     return damaged("results", e.what());
   }
   return results;
@@ -240,13 +242,13 @@ Result<std::vector<SectionProduct>> sections_of(const tile::ArraySet& header, st
     for (const json& section : attributes.at("sections")) {
       SectionProduct product{section.at("name").get<std::string>(),
                              section.at("unit").get<std::string>(),
-                             section.at("row").get<int>(),
+                             tile::whole_number<int>(section.at("row")),
                              {}};
       RAYFIELD_ASSIGN(product.grid, grid_from(section.at("grid"), value_count, "results"));
       sections.push_back(std::move(product));
     }
     return sections;
-  } catch (const json::exception& e) {
+  } catch (const std::exception& e) {
     return damaged("results", e.what());
   }
 }
@@ -272,7 +274,7 @@ Result<RasterProduct> raster_of(const tile::ArraySet& header, std::uint64_t valu
                          {}};
     RAYFIELD_ASSIGN(raster.grid, grid_from(attributes.at("grid"), value_count, "raster"));
     return raster;
-  } catch (const json::exception& e) {
+  } catch (const std::exception& e) {
     return damaged("raster", e.what());
   }
 }

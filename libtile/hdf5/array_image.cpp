@@ -1,11 +1,13 @@
 #include "libtile/hdf5/array_image.h"
 
 #include <algorithm>
+#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "libtile/hdf5/column_codec.h"
 #include "libtile/hdf5/h5_layout.h"
 #include "libtile/hdf5/h5_write.h"
+#include "rayfield/tile/whole_number.h"
 
 namespace rayfield::tile {
 namespace {
@@ -101,9 +103,9 @@ Result<void> read_attributes(const std::string& text, ArraySet& arrays, const st
     if (json.at("format") != kFormat) return damaged(where, "it holds no derived data");
     if (json.at("version") != kVersion) return damaged(where, "it was written by a newer version of rayfield");
     arrays.kind = json.at("kind").get<std::string>();
-    arrays.version = json.at("kind_version").get<int>();
+    arrays.version = whole_number<int>(json.at("kind_version"));
     arrays.attributes = json.at("attributes").get<std::string>();
-  } catch (const nlohmann::json::exception& e) {
+  } catch (const std::exception& e) {
     return damaged(where, std::string("its attributes are not what they should be: ") + e.what());
   }
   return {};

@@ -140,5 +140,20 @@ TEST(StoredRasters, WithoutAPlaceOrWithInfiniteValuesAreDamaged) {
   EXPECT_EQ(values.error().code, ErrorCode::damaged);
 }
 
+// Conversions of the JSON library leave undefined what becomes of numbers that do not fit (found by fuzz_derived).
+TEST(StoredRasters, WithASizeThatIsNoWholeNumberAreDamaged) {
+  const RasterProduct raster{"ground", "m", "height", Grid2<float>({3, 0}, 0.5, 2, 2)};
+  for (const char* size : {"31e99", "-31e99", "2.5", "4294967298", "\"2\""}) {
+    tile::ArraySet arrays = raster_to_arrays(raster, {}).arrays;
+    const std::size_t at = arrays.attributes.find("\"nx\":2");
+    ASSERT_NE(at, std::string::npos) << arrays.attributes;
+    arrays.attributes.replace(at, 6, std::string("\"nx\":") + size);
+    const auto read = raster_of(arrays, 4);
+    ASSERT_FALSE(read) << size;
+    EXPECT_EQ(read.error().code, ErrorCode::damaged);
+    EXPECT_NE(read.error().why.find("no whole number"), std::string::npos) << read.error().why;
+  }
+}
+
 }  // namespace
 }  // namespace rayfield::density
