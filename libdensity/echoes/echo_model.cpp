@@ -14,13 +14,13 @@ constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kFullError = 0.02;      // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kFullError = 0.03;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
 // ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
 // reach, for each side of a leaf that beams are wide (falls with the range resolution), and for wood among the leaves
 // (over leafiness); relative errors of what comes of it, beside wood and of wood.
-constexpr double kAboveMean = 0.21, kWeakestAboveMean = -0.56, kWidthAboveMean = 1.06, kFadesM = 0.25;
-constexpr double kWoodAboveMean = 1.0, kMeanEchoError = 0.06, kWoodInMeanEcho = 0.8;
+constexpr double kAboveMean = 0.21, kWeakestAboveMean = -0.56, kWidthAboveMean = 1.15, kFadesM = 0.25;
+constexpr double kWoodAboveMean = 0.9, kMeanEchoError = 0.05, kWoodInMeanEcho = 0.7;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
@@ -30,8 +30,6 @@ constexpr double kMostAngleDependence = 0.9;  // a blade is not so flat that it 
 constexpr double kWeakestShare = 0.02;        // of the echoes lie below the detection share,
 constexpr double kWeakest = 1.03;             // nearly: where they begin, in detection shares
 constexpr double kOneBeamsBeside = 0.2;       // or more, of the echoes
-// What else is off where several beams go out at a time, the law being one beam's and leaves being found less well.
-constexpr double kSeveralBeamsError = 0.08;
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
 // beam of kSmearM adds and what a metre of range resolution takes away.
 constexpr double kSmearM = 0.060, kUnmixed = 0.27, kSmear = 1.02, kMixedPerM = 3.03, kMostMixedM = 0.4;
@@ -145,6 +143,11 @@ struct Strength {
   double weight() const { return 1 / (error * error); }
 };
 
+/// Of two that should be alike: what they differ by, in standard errors of that.
+double disagreement(const Strength& one, const Strength& other) {
+  return std::abs(std::log(one.intensity / other.intensity)) / std::hypot(one.error, other.error);
+}
+
 /// What the beams' width makes of ln of a full echo over the mean one.
 double width_above_mean(const EchoModel& model) {
   return kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM);
@@ -166,23 +169,24 @@ LeafBrightness brightness_of(const FullEchoStrength& full, const EchoModel& mode
           std::sqrt(std::max(0.0, full.scatter * full.scatter - cut * cut))};
 }
 
-/// From the mean echo, and from full echoes where there are enough, weighted by their errors.
+/// From the mean echo, and from full echoes where there are enough, weighted by their errors; what comes of it is known
+/// the less well the less they agree (their error grows with what they differ by, as that of averages is scaled by the
+/// Particle Data Group).
 void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength& full, const Strength& of_mean,
                        EchoModel& model) {
   model.full_echo = of_mean.intensity, model.full_echo_error = of_mean.error;
   model.mean_echo_weight = 1;
-  if (full.count >= kEnoughFull) {
+  if (full.count >= kEnoughFull && full.intensity > 0) {
     model.lacking_share = lacking_of(model);
     const Strength of_full{full.intensity / (1 - model.lacking_share),
                            std::hypot(kFullError, full.error, kLackingError * model.lacking_share)};
     const double weights = of_full.weight() + of_mean.weight();
     model.full_echo = (of_full.weight() * of_full.intensity + of_mean.weight() * of_mean.intensity) / weights;
-    model.full_echo_error = 1 / std::sqrt(weights);
+    model.full_echo_error = std::max(1.0, disagreement(of_full, of_mean)) / std::sqrt(weights);
     model.mean_echo_weight = of_mean.weight() / weights;
     model.full_echo_per_cosine = of_full.weight() / weights * full.per_cosine;
   }
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
-  if (!sends_one_beam(statistics)) model.full_echo_error = std::hypot(model.full_echo_error, kSeveralBeamsError);
 }
 
 }  // namespace
