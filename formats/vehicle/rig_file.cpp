@@ -33,8 +33,9 @@ void take_beam(RigSection& lidar, std::optional<LidarBeam>& out) {
   }
   LidarBeam beam = out.value_or(LidarBeam());
   lidar.number("beam_diameter_m", 0, kWidestBeam_m, beam.diameter_m);
-  lidar.number("beam_divergence_rad", 0, kWidestDivergence_rad, beam.divergence_rad);
-  if (lidar.has("beam_diameter_m") != lidar.has("beam_divergence_rad") && !out)
+  lidar.divergence("beam_divergence_rad", kWidestDivergence_rad, beam.divergence_rad);
+  const bool is_line = lidar.has("beam_divergence_rad") && beam.divergence_rad == 0;
+  if (lidar.has("beam_diameter_m") != lidar.has("beam_divergence_rad") && !out && !is_line)
     lidar.missing(lidar.has("beam_diameter_m") ? "beam_divergence_rad" : "beam_diameter_m",
                   "give both, or the lidar's model; see docs/rig.md");
   if (lidar.has("beam_diameter_m") || lidar.has("beam_divergence_rad")) out = beam;

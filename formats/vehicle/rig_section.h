@@ -52,6 +52,18 @@ class RigSection {
       out = *value;
     }
   }
+  /// A full angle; of two, those of an elliptical beam across each other, their geometric mean: the area of the disc
+  /// counts.
+  void divergence(std::string_view key, double high, double& out) {
+    if (table_ == nullptr || !table_->contains(key) || !(*table_)[key].is_array()) return number(key, 0, high, out);
+    const toml::node& node = *take(key);
+    std::array<double, 2> angles{};
+    if (!numbers(node, key, angles)) return;
+    for (const double angle : angles)
+      if (!(angle > 0 && angle <= high))
+        return refuse(node, key, fmt::format("both must be above 0 and up to {}", high));
+    out = std::sqrt(angles[0] * angles[1]);
+  }
   void flag(std::string_view key, bool& out) {
     if (const toml::node* node = take(key)) {
       const std::optional<bool> value = node->value_exact<bool>();

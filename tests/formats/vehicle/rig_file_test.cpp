@@ -106,6 +106,19 @@ TEST(RigFile, ReadsTheBeamAndWritesItBack) {
   EXPECT_EQ(high->lidar.beam, (LidarBeam{0.0136, 0.0047, {}}));
 }
 
+TEST(RigFile, ABeamMayBeEllipticalOrALine) {
+  const auto beam_with = [](const std::string& keys) {
+    const auto rig = parse_rig(replaced("[spinner]", keys + "\n[spinner]"), "r");
+    EXPECT_TRUE(rig) << rig.error().line();
+    EXPECT_EQ(parse_rig(rig_text(*rig), "again")->lidar.beam, rig->lidar.beam);
+    return rig->lidar.beam.value();
+  };
+  // A disc of the ellipse's area: π/4·θ₁·θ₂ = π/4·θ².
+  EXPECT_DOUBLE_EQ(beam_with("beam_diameter_m = 0.01\nbeam_divergence_rad = [0.002, 0.008]").divergence_rad, 0.004);
+  EXPECT_EQ(beam_with("beam_divergence_rad = 0").diameter_at(2), 0);
+  EXPECT_EQ(beam_with("beam_divergence_rad = 0.0").diameter_at(30), 0);
+}
+
 TEST(RigFile, KnowsWhichEchoALidarReports) {
   const auto beam_with = [](const std::string& keys) {
     const auto rig = parse_rig(replaced("[spinner]", keys + "\n[spinner]"), "r");
@@ -124,6 +137,11 @@ TEST(RigFile, RefusesBeamsThatAreNotOne) {
   EXPECT_THAT(with("beam_diameter_m = 13.6\nbeam_divergence_rad = 0.01"), HasSubstr("must be 0 to 0.2"));
   EXPECT_THAT(with("beam_diameter_m = 0.01\nbeam_divergence_rad = 11.9"), HasSubstr("must be 0 to 0.1"));
   EXPECT_THAT(with("beam_diameter_m = 0.01"), HasSubstr("lidar.beam_divergence_rad is missing"));
+  EXPECT_THAT(with("beam_diameter_m = 0.01\nbeam_divergence_rad = [0.01, 0.02, 0.03]"),
+              HasSubstr("lidar.beam_divergence_rad: must be an array of 2 numbers"));
+  EXPECT_THAT(with("beam_diameter_m = 0.01\nbeam_divergence_rad = [0.01, 0]"), HasSubstr("both must be above 0"));
+  EXPECT_THAT(with("beam_diameter_m = 0.01\nbeam_divergence_rad = [2, 8]"), HasSubstr("up to 0.1"));
+  EXPECT_THAT(with("beam_divergence_rad = [0.01, 0.02]"), HasSubstr("lidar.beam_diameter_m is missing"));
   EXPECT_THAT(with("beam_divergence_rad = 0.01"), HasSubstr("lidar.beam_diameter_m is missing"));
   EXPECT_THAT(with("detection_share = 0.25"), HasSubstr("lidar.detection_share: it needs beam_diameter_m"));
   EXPECT_THAT(with("model = \"LMS511\"\ndetection_share = 1.5"), HasSubstr("must be 0.001 to 1"));
