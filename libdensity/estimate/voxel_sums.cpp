@@ -15,10 +15,11 @@ constexpr double kUnreturnedAcross = 2.4, kFadesM = 0.25;
 constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
 constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
-// of lidars that report the strongest echo, what weaker ones before it took, weaker than half of the beam, since what
-// is left of it has to be stronger: times how far t is below half, and the root of the width over a side and of the
-// path across.
-constexpr double kBeforeStronger = 1.1, kNeverStronger = 0.5;
+// of lidars that report one echo of several and not the first, what the others took: times the root of the width over a
+// side and of the path across, fading with the range resolution. An echo may hide a stronger one up to half of the
+// beam, since what is left of it has to be stronger: times how far t is below half. A later echo takes the place of one
+// between t and 1 − t, and is the likelier the lower t: times the square of that.
+constexpr double kBeforeStronger = 1.1, kBeforeLast = 11, kHalfOfBeam = 0.5;
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
 constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
@@ -109,18 +110,20 @@ class ReturnedOfRow {
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
     const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
-                           kCutByEdges * widths * (1 - kAddedUp * together) + before_stronger(widths, row.thickness);
+                           kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 
   void learn(std::span<const VoxelSums> sums) { row_ = row_along(sums, section_); }
 
  private:
-  /// −ln of what is left of the path for what weaker echoes before the strongest took.
-  double before_stronger(double widths, double thickness) const {
-    if (model_.beam.returns != ReturnMode::strongest) return 0;
-    return kBeforeStronger * std::sqrt(widths * thickness) * std::max(0.0, kNeverStronger - model_.detection_share) *
-           std::exp(-model_.range_resolution_m / kFadesM);
+  /// −ln of what is left of the path for what echoes took that the lidar does not report.
+  double in_other_echoes(double widths, double thickness) const {
+    const double below_half = std::max(0.0, kHalfOfBeam - model_.detection_share);
+    double taken = 0;
+    if (model_.beam.returns == ReturnMode::strongest) taken = kBeforeStronger * below_half;
+    if (model_.beam.returns == ReturnMode::last) taken = kBeforeLast * below_half * below_half;
+    return taken * std::sqrt(widths * thickness) * std::exp(-model_.range_resolution_m / kFadesM);
   }
 
   const EchoModel& model_;

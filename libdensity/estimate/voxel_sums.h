@@ -35,6 +35,8 @@ struct CrossSection {
 /// it:
 ///   hits = Σ s,  path = R·(Σ u + Σ (1 − s)·u behind the echoes),
 ///   −ln R = 2.4·υ·T·exp(−b/0.25 m) + 0.6·ℓ/max(0.3, T) + 0.10·D·(1 − 1.5·n)
+/// and, of lidars that report the strongest or the last of several echoes,
+///   1.1·√(D·T)·max(0, 0.5 − t)·exp(−b/0.25 m) or 11·√(D·T)·max(0, 0.5 − t)²·exp(−b/0.25 m) more
 /// (docs/beams.md, "How it is taken out"). T and n come from the round before: three rounds.
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace rayfield::density {
@@ -102,25 +103,30 @@ TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
   }
 }
 
-// The strongest of several echoes hides those of less than half the beam: docs/beams.md, "How it is taken out".
-TEST(VoxelSums, WeakerEchoesBeforeTheStrongestAreMissing) {
+// Echoes that the lidar does not report are missing: those of less than half the beam before the strongest, those
+// before the last. docs/beams.md, "How it is taken out".
+TEST(VoxelSums, EchoesThatAreNotReportedAreMissing) {
   for (const double width_m : {0.02, 0.06})
-    for (const double share : {0.1, 0.4, 0.6})
+    for (const double share : {0.2, 0.4, 0.6})
       for (const double resolution_m : {0.1, 0.3}) {
         EchoModel model = model_of(0);
         model.leaf_size_m2 = kSide * kSide, model.detection_share = share, model.range_resolution_m = resolution_m;
         const VoxelSums unknown = sums_of(voxel_with(0.5, width_m), model);
         model.beam.returns = ReturnMode::first;
         EXPECT_EQ(sums_of(voxel_with(0.5, width_m), model).path, unknown.path);
-        model.beam.returns = ReturnMode::strongest;
-        const VoxelSums s = sums_of(voxel_with(0.5, width_m), model);
         const auto cut_by_edges = [&](const VoxelSums& v) {
           return width_m / kSide * 0.10 * (1 - 1.5 * v.hits / v.path / kVoxel * resolution_m);
         };
-        const double hidden =
-            1.1 * std::sqrt(width_m / kSide * across(s)) * std::max(0.0, 0.5 - share) * std::exp(-resolution_m / 0.25);
-        EXPECT_EQ(s.hits, unknown.hits);
-        EXPECT_NEAR(s.path, unknown.path * std::exp(cut_by_edges(unknown) - cut_by_edges(s) - hidden), 0.03);
+        const double below_half = std::max(0.0, 0.5 - share);
+        for (const auto& [mode, taken] : {std::pair(ReturnMode::strongest, 1.1 * below_half),
+                                          std::pair(ReturnMode::last, 11 * below_half * below_half)}) {
+          model.beam.returns = mode;
+          const VoxelSums s = sums_of(voxel_with(0.5, width_m), model);
+          const double hidden = taken * std::sqrt(width_m / kSide * across(s)) * std::exp(-resolution_m / 0.25);
+          EXPECT_EQ(s.hits, unknown.hits);
+          EXPECT_NEAR(s.path, unknown.path * std::exp(cut_by_edges(unknown) - cut_by_edges(s) - hidden), 0.05)
+              << name_of(mode) << ", " << width_m << " m, " << share;
+        }
       }
 }
 
