@@ -27,18 +27,19 @@ constexpr double kModelError = 0.055;   // and where they are weighed
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
 // more rays than they do (docs/beams.md, "How far it can be trusted").
 constexpr double kMissingRaysError = 0.15;
-// What earlier echoes took of a beam whose last one is reported: areas come out up to 45 % too small.
-constexpr double kLastEchoesError = 0.25;
+// What earlier echoes took of a beam whose last one is reported is made up for where echoes are weighed; where they are
+// counted thin wood is missing, behind which the ground gives another echo.
+constexpr double kLastWeighedError = 0.05, kLastCountedError = 0.25;
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
 
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
-  const double of_last = scan.beam->returns == ReturnMode::last ? kLastEchoesError : 0;
+  const bool last = scan.beam->returns == ReturnMode::last;
   if (model)
     return std::hypot(std::hypot(kModelError, model->full_echo_error),
-                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, of_last));
-  return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), of_last);
+                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, last ? kLastWeighedError : 0));
+  return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
 }
 
 // One tile. Sums of integers, so that the order of the rays does not matter.
@@ -147,8 +148,8 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
     note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
   if (scan.beam->returns == ReturnMode::last)
     note +=
-        "; its lidar reports the last echo, so that areas are too small, by up to a half: have it report the first or "
-        "the strongest";
+        "; its lidar reports the last echo, and what earlier ones took, up to half of the area, is made up for: the "
+        "first would be surer";
   if (!scan.beam->returns)
     note +=
         "; nothing says which of several echoes its lidar reports (`lidar.returns` of the rig), so the first is "

@@ -2,13 +2,15 @@
 """Draws sites with real beams at random, one scan in full leaf each, for accuracy.py.
 
     tests/accuracy/draw_sites.py one|several COUNT SEED OUT [--prefix NAME] [--thin] [--all-rays]
+                             [--returns first|strongest|last]
 
 Two rows of 22 m of walls, sprawl or crowns: slope, azimuth, latitude, spacing, leaf area per metre, size and outline of
 leaves, detection share, range resolution, angle dependence and scatter of echoes, and dark wood are drawn. `one`: spun
 2-D scanners with beams of 8 mm + 2.5 mrad to 13.6 mm + 11.9 mrad. `several`: VLP-16-, Ouster-, Livox- and XT32-like
 lidars in turn, reporting the first or the strongest echo; their clouds hold the downward beams without a return, as
 `rayfield slam` keeps them. With --thin the same sites and seeds with beams without a width: what is wrong there is not
-the beams'. With --all-rays clouds of one beam hold them, too. The same SEED draws the same sites.
+the beams'. With --all-rays clouds of one beam hold them, too; with --returns all
+lidars report that echo. The same SEED draws the same sites.
 """
 import argparse
 import os
@@ -60,7 +62,7 @@ def text(values):
     return [f"{key} = {value:.4g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values]
 
 
-def site(rng, name, number, several, thin, all_rays):
+def site(rng, name, number, several, thin, all_rays, returns):
     kind = rng.choice(["vsp", "sprawl", "crown"] if several else ["vsp", "vsp", "sprawl"])
     spacing = rng.uniform(3.4, 4.2) if kind == "crown" else rng.uniform(2.4, 3.6)
     latitude = rng.uniform(-45, 50)
@@ -83,6 +85,8 @@ def site(rng, name, number, several, thin, all_rays):
     if thin:
         lidar = [(key, 0 if key in ("beam_diameter_m", "divergence_mrad", "divergence_z_mrad") else value)
                  for key, value in lidar]
+    if returns:
+        lidar = [(key, value) for key, value in lidar if key != "returns"] + [("returns", f'"{returns}"')]
     if several or all_rays:
         lidar.append(("keeps_downward_misses", "true"))
     lines += ["[lidar]", *text(lidar + drawn), *(["[multi_beam]", *text(beams)] if beams else [])]
@@ -102,13 +106,15 @@ def main():
     parser.add_argument("--prefix", default="drawn")
     parser.add_argument("--thin", action="store_true")
     parser.add_argument("--all-rays", action="store_true")
+    parser.add_argument("--returns", choices=["first", "strongest", "last"])
     arguments = parser.parse_args()
     os.makedirs(arguments.out, exist_ok=True)
     for number in range(arguments.count):
         rng = random.Random(f"{arguments.seed} {number}")  # so that fewer of them are the same
         name = f"{arguments.prefix}_{number:02d}"
         with open(f"{arguments.out}/{name}.toml", "w") as file:
-            file.write(site(rng, name, number, arguments.lidars == "several", arguments.thin, arguments.all_rays))
+            file.write(site(rng, name, number, arguments.lidars == "several", arguments.thin, arguments.all_rays,
+                            arguments.returns))
 
 
 if __name__ == "__main__":

@@ -93,7 +93,7 @@ TEST(ScanEchoes, LastEchoesAreTrustedLess) {
     EXPECT_EQ(beam_note(scan, model).find("last echo"), std::string::npos);
   }
   scan.beam->returns = ReturnMode::last;
-  EXPECT_NEAR(error(), std::hypot(unknown, 0.25), 1e-9);
+  EXPECT_NEAR(error(), std::hypot(unknown, 0.05), 1e-9);
   EXPECT_NE(beam_note(scan, model).find("reports the last echo"), std::string::npos) << beam_note(scan, model);
 }
 
