@@ -14,9 +14,8 @@ namespace {
 
 constexpr double kWide_m = 0.02, kWideRange_m = 5;  // beams that are worth a look at the log before the run
 constexpr double kDefaultLimit_m = 0.15;            // that of a pulse of 1 ns; hardly a lidar resolves less
-// A spot a little deeper than the resolution loses nothing but its dim edge, and a lift of a millimetre or two goes
-// unnoticed: by this much what is measured was too large on simulated drives (0.17 to 0.18 for 0.15 m, 0.07 for 0.05,
-// 0.40 for 0.40).
+// By this much what is measured was too large on simulated drives (0.17 to 0.18 for 0.15 m, 0.07 for 0.05, 0.40 for
+// 0.40), lifts of a millimetre or two among them.
 constexpr double kUnnoticed_m = 0.022;
 constexpr double kMaxRelativeSigma = 0.5;  // of a resolution that is believed
 constexpr double kFirst_s = 60;
@@ -55,13 +54,6 @@ Result<std::optional<RangeResolution>> measure(LogOdometry& input, const Rig& ri
   return measure_range_resolution(odometry.surfels, odometry.track, odometry.source, options.surfels.voxel_size_m);
 }
 
-std::optional<RangeResolution> believed(std::optional<RangeResolution> measured) {
-  if (!measured || measured->value_m >= kMaxRangeResolution_m) return std::nullopt;  // no echo came too early
-  if (measured->sigma_m > kMaxRelativeSigma * measured->value_m) return std::nullopt;
-  measured->value_m = std::max(kFinestRange_m, measured->value_m - kUnnoticed_m);
-  return measured;
-}
-
 }  // namespace
 
 Result<SpotDepth> choose_spot_depth(const LogReader& read, const Rig& rig, const SlamOptions& options,
@@ -83,7 +75,7 @@ Result<SpotDepth> choose_spot_depth(const LogReader& read, const Rig& rig, const
   Result<std::optional<RangeResolution>> measured = measure(input, rig, unlimited, progress);
   if (!measured && measured.error().code == ErrorCode::bad_input) return out;  // the run itself will say what is wrong
   if (!measured) return tl::make_unexpected(measured.error());
-  out.measured = believed(*measured);
+  if (*measured) out.measured = believed(**measured, kUnnoticed_m, kMaxRelativeSigma);
   if (out.measured) out.limit_m = out.measured->value_m;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
 #include <vector>
 
@@ -48,14 +47,6 @@ std::optional<RangeResolution> measured(const BeamSource& source, double resolut
   const auto result = measure_range_resolution(ground(source, resolution_m), straight_drive(), source, kVoxels);
   EXPECT_TRUE(result) << result.error().line();
   return result ? *result : std::nullopt;
-}
-
-TEST(SpotShift, IsThatOfThePartOfTheDiscWithinTheResolution) {
-  EXPECT_EQ(spot_shift_m(0.2, 0.2), 0);
-  EXPECT_EQ(spot_shift_m(0.2, 0.5), 0);
-  EXPECT_NEAR(spot_shift_m(0.2, 1e-6), 0.1, 1e-5);                               // the near edge alone
-  EXPECT_NEAR(spot_shift_m(0.2, 0.1), 0.1 * 4 / (3 * std::numbers::pi), 1e-12);  // the centroid of half a disc
-  for (double b = 0.01; b < 0.2; b += 0.01) EXPECT_GT(spot_shift_m(0.2, b), spot_shift_m(0.2, b + 0.01));
 }
 
 TEST(MeasureRangeResolution, FindsWhatTheGroundWasSeenWith) {
