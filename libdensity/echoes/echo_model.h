@@ -34,6 +34,8 @@ struct EchoModel {
   double mean_echo_weight = 0;
   /// Whether the scan lacks the downward rays that came back from nowhere (VoxelOptions::sure_return_m is not 0).
   bool lacks_downward_misses = false;
+  /// Whether the range resolution is a typical one, though it could have been measured had there been ground to see.
+  bool resolution_assumed = false;
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are

@@ -140,6 +140,7 @@ Result<std::shared_ptr<const BeamView>> view_of_wood(ScanWork& work, const ScanV
   RAYFIELD_ASSIGN(const ScanSurvey survey, survey_tiles(of_wood));
   tile::ScanEntry alike = wood.scan;
   alike.beam = work.scan.beam;
+  alike.beam->range_resolution_m = voxels.echoes->range_resolution_m;
   return view_of(alike, survey, work.options.beam);
 }
 

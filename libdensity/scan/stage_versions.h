@@ -12,7 +12,8 @@ inline constexpr int kEvidenceVersion = 2;
 inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
-inline constexpr int kEchoesVersion = 17;
+inline constexpr int kSpotsVersion = 1;
+inline constexpr int kEchoesVersion = 18;
 inline constexpr int kLeafAnglesVersion = 5;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
@@ -23,9 +24,10 @@ inline constexpr int kLeafVersion = 12;
 inline constexpr int kLeafByEstimateVersion = 9;
 
 inline std::vector<double> stage_versions() {
-  return {kSurveyVersion,    kGroundVersion,     kEvidenceVersion,   kGeometryVersion,    kProfileVersion,
-          kVoxelSizeVersion, kEchoesVersion,     kLeafAnglesVersion, kRowSegmentsVersion, kVoxelsVersion,
-          kResultsVersion,   kEstimationVersion, kTotalsVersion,     kLeafVersion,        kLeafByEstimateVersion};
+  return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,
+          kProfileVersion,    kVoxelSizeVersion,   kSpotsVersion,    kEchoesVersion,
+          kLeafAnglesVersion, kRowSegmentsVersion, kVoxelsVersion,   kResultsVersion,
+          kEstimationVersion, kTotalsVersion,      kLeafVersion,     kLeafByEstimateVersion};
 }
 
 }  // namespace rayfield::density

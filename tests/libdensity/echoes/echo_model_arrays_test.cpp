@@ -39,6 +39,7 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.mean_echo_weight, b.mean_echo_weight);
   EXPECT_EQ(a.lacks_downward_misses, b.lacks_downward_misses);
   EXPECT_EQ(a.beam.returns, b.beam.returns);
+  EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
@@ -53,14 +54,14 @@ TEST(EchoModelArrays, GiveBackTheModel) {
 TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
   for (const auto& [name, mode] : kReturnModes) {
     EchoModel model = model_of(0.044);
-    model.beam.returns = mode;
+    model.beam.returns = mode, model.resolution_assumed = mode == ReturnMode::first;
     tile::ArraySet arrays = arrays_from_echo_model(model);
     const auto read = echo_model_from_arrays(arrays);
     ASSERT_TRUE(read && *read) << name;
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers.back() = none;
+      numbers[numbers.size() - 2] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
@@ -75,9 +76,13 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
-  whole.beam.returns = ReturnMode::strongest;
+  whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  whole.resolution_assumed = false;
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   expect_same(**echo_model_from_arrays(arrays), model_of(0.044, 60, 0.03, 0.05, 0.2, true));

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "libdensity/scan/scan_echoes.h"
 #include "tests/libdensity/simulated_block.h"
 
 /// Blocks seen by a lidar whose beam is as wide as a leaf.
@@ -13,8 +14,9 @@ using ::testing::HasSubstr;
 
 const LidarBeam kBeam{0.0136, 0.0119, {}};
 
-testing::Drive wide_drive(double leaf_fraction, std::uint64_t seed) {
+testing::Drive wide_drive(double leaf_fraction, std::uint64_t seed, double resolution_m = 0.15) {
   sim::Site site = testing::block_site(leaf_fraction, seed);
+  site.lidar.range_resolution_m = resolution_m;
   site.lidar.beam_diameter_m = kBeam.diameter_m, site.lidar.divergence_mrad = 1000 * kBeam.divergence_rad;
   site.lidar.detection_share = 0.25, site.lidar.detection = sim::Detection::returned_energy;
   // Energy is covered share: dark wood reads low, which is not the beam's doing (docs/beams.md, "How far it can be
@@ -53,6 +55,20 @@ TEST(WideBeam, ItsWidthIsTakenOutOfTheAreas) {
   counted.beam.enabled = false;
   block.process({}, counted);
   EXPECT_GT(areas_of(block.results("2020-01-20")).plant_m2 / plants, 1.12);
+}
+
+// Where neither the rig nor SLAM says it, the ground does.
+TEST(WideBeam, ItsRangeResolutionIsMeasured) {
+  for (const double truth : {0.09, 0.24}) {
+    Block block;
+    block.add("2020-01-20", wide_drive(1, 3, truth), std::nullopt, kBeam);
+    block.process();
+    const tile::Snapshot snapshot = block.snapshot();
+    const auto model = testing::take(read_echoes(block.store(), *snapshot.find_scan("2020-01-20")));
+    ASSERT_TRUE(model);
+    EXPECT_NEAR(model->range_resolution_m, truth, 0.03);
+    EXPECT_FALSE(model->resolution_assumed);
+  }
 }
 
 TEST(WideBeam, WhatIsDoneAgainGivesTheSameAndAnUnchangedScanIsLeft) {

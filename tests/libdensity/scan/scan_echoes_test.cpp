@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+
+#include "libdensity/scan/scan_range_resolution.h"
 
 namespace rayfield::density {
 namespace {
@@ -79,6 +82,36 @@ TEST(ScanEchoes, CloudsWithoutDownwardMissesAreTrustedLess) {
   EXPECT_NEAR(error(), std::hypot(whole, 0.15), 1e-9);
   const std::string note = beam_note(scan_with(0.0136, 0.0119), model);
   EXPECT_NE(note.find("lacks the downward rays without a return"), std::string::npos) << note;
+}
+
+TEST(ScanEchoes, AnAssumedRangeResolutionIsToldAndTrustedLess) {
+  EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
+  model.range_resolution_m = 0.15;
+  const IntegrationOptions options;
+  const tile::ScanEntry scan = scan_with(0.0136, 0.0119);
+  const auto error = [&] { return integration_with_beam(options, scan, model).shared_error; };
+  const double known = error();
+  EXPECT_EQ(beam_note(scan, model).find("range_resolution_m"), std::string::npos);
+  model.resolution_assumed = true;
+  EXPECT_NEAR(error(), std::hypot(known, 0.1), 1e-9);
+  EXPECT_NE(beam_note(scan, model).find("15 cm are assumed"), std::string::npos) << beam_note(scan, model);
+}
+
+TEST(ScanEchoes, TheGroundIsAskedWhereNothingElseSaysTheRangeResolution) {
+  const LidarBeam wide{0.0136, 0.0119, {}};
+  BeamOptions options;
+  EXPECT_TRUE(lacks_resolution(wide, options));
+  LidarBeam other = wide;
+  for (const auto& [mode, asked] : {std::pair(ReturnMode::first, true), std::pair(ReturnMode::strongest, false),
+                                    std::pair(ReturnMode::last, false)}) {
+    other.returns = mode;
+    EXPECT_EQ(lacks_resolution(other, options), asked);
+  }
+  other = wide, other.range_resolution_m = 0.2;
+  EXPECT_FALSE(lacks_resolution(other, options));
+  EXPECT_FALSE(lacks_resolution({0.005, 0.002, {}}, options));  // 15 mm at 5 m
+  options.range_resolution_m = 0.2;
+  EXPECT_FALSE(lacks_resolution(wide, options));
 }
 
 TEST(ScanEchoes, LastEchoesAreTrustedLess) {
