@@ -103,6 +103,26 @@ bool added_stand_off(const std::vector<std::vector<PlacedStem>>& stems,
   return !added_m.empty() && median_of(added_m) > std::max(kLeastOffM, kTimesOff * median_of(own_m));
 }
 
+// Whether the sure posts that only the narrower spacing explains are thinner than those of the wider one, which are
+// alike: vines. End posts are thicker than the rest and not asked.
+bool added_are_thinner(const std::vector<std::vector<PlacedStem>>& stems,
+                       const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
+  constexpr std::size_t kLeastPosts = 3;
+  constexpr double kLeastThinnerM = 0.004, kTimesSpread = 3, kMadToDeviation = 1.4826;
+  std::vector<double> own_m, added_m, off_m;
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
+    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m)) {
+      if (i == 0 || i + 1 == stems[r].size()) continue;
+      (std::binary_search(wide.begin(), wide.end(), i) ? own_m : added_m).push_back(stems[r][i].stem.radius_m);
+    }
+  }
+  if (own_m.size() < kLeastPosts || added_m.empty()) return false;
+  const double usual_m = median_of(own_m);
+  for (const double radius_m : own_m) off_m.push_back(std::abs(radius_m - usual_m));
+  return median_of(added_m) < usual_m - std::max(kLeastThinnerM, kTimesSpread * kMadToDeviation * median_of(off_m));
+}
+
 // How many places a spacing has in the rows, from the first sure post of each to the last.
 std::size_t places_of(const std::vector<std::vector<PlacedStem>>& stems,
                       const std::vector<std::vector<std::size_t>>& sure, double spacing_m) {
@@ -163,8 +183,8 @@ std::vector<SpacingCandidate> spacing_candidates(const std::vector<std::vector<P
 
 // A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
 // multiples of the one that explains most, the widest that does nearly as well, or whose places are mostly taken, and
-// twice as often as those that the narrower one adds, where the posts are lower or stand off. No other spacing may take
-// its place.
+// twice as often as those that the narrower one adds, where the posts are lower, thinner or stand off. No other spacing
+// may take its place.
 SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& stems,
                                  const std::vector<std::vector<std::size_t>>& sure,
                                  std::span<const SpacingCandidate> candidates, std::size_t most, std::size_t others) {
@@ -187,6 +207,7 @@ SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& ste
     if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
         (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
          (added_are_lower(stems, sure, widest.spacing_m, c.spacing_m) ||
+          added_are_thinner(stems, sure, widest.spacing_m, c.spacing_m) ||
           added_stand_off(stems, sure, widest.spacing_m, c.spacing_m))))
       widest = c;
   }

@@ -74,6 +74,20 @@ TEST(PostSpacing, PostsThatAreNotSetOutWellMayHaveSuchBetweenThem) {
   EXPECT_NEAR(rows.spacing().spacing_m, 2.75, 0.03);
 }
 
+// As high as posts and right half-way, but thinner.
+TEST(PostSpacing, VinesHalfwayAreThinnerThanPosts) {
+  for (const double vine_radius_m : {0.025, 0.034}) {
+    Rows rows;
+    rows.add({0, 2.73, 5.5, 11, 16.5, 22});
+    rows.add({0, 5.5, 11, 13.76, 16.5, 19.27, 22});
+    for (auto& row : rows.stems)
+      for (PlacedStem& stem : row) stem.stem.radius_m = 0.034 + 0.0005 * std::sin(stem.chainage_m);
+    for (PlacedStem* vine : {&rows.stems[0][1], &rows.stems[1][3], &rows.stems[1][5]})
+      vine->stem.radius_m = vine_radius_m;
+    EXPECT_NEAR(rows.spacing().spacing_m, vine_radius_m < 0.03 ? 5.5 : 2.75, 0.02) << vine_radius_m;
+  }
+}
+
 // As high as the others they are posts, of which most could not be seen.
 TEST(PostSpacing, AFewPostsHalfwayDo) {
   Rows rows;
