@@ -14,13 +14,14 @@ constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
-constexpr double kFullError = 0.03;      // relative, of the full echo from full echoes, beside what they tell of it
+constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
 // ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
-// reach, for each side of a leaf that beams are wide (falls with the range resolution), and for wood among the leaves
+// reach, for each side of a leaf that beams are wide (fading the more leaves make an echo together), and for wood among
+// the leaves
 // (over leafiness); relative errors of what comes of it, beside wood and of wood.
-constexpr double kAboveMean = 0.21, kWeakestAboveMean = -0.56, kWidthAboveMean = 1.15, kFadesM = 0.25;
-constexpr double kWoodAboveMean = 0.9, kMeanEchoError = 0.05, kWoodInMeanEcho = 0.7;
+constexpr double kAboveMean = 0.25, kWeakestAboveMean = -0.65, kWidthAboveMean = 0.95, kFadesPerLeaf = 0.75;
+constexpr double kWoodAboveMean = 0.5, kMeanEchoError = 0.045, kWoodInMeanEcho = 0.7;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
@@ -150,7 +151,7 @@ double disagreement(const Strength& one, const Strength& other) {
 
 /// What the beams' width makes of ln of a full echo over the mean one.
 double width_above_mean(const EchoModel& model) {
-  return kWidthAboveMean * widths_of_leaf(model) * std::exp(-model.range_resolution_m / kFadesM);
+  return kWidthAboveMean * widths_of_leaf(model) * std::exp(-kFadesPerLeaf * model.leaves_per_resolution);
 }
 
 /// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out").
@@ -216,6 +217,7 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
+  model.leaves_per_resolution = known.range_resolution_m * ends_per_metre_behind(statistics.pairs_from(0));
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
   const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
   const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());

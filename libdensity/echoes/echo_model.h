@@ -24,6 +24,8 @@ struct EchoModel {
   LeafSizeFrom leaf_size_from = LeafSizeFrom::nothing;
   double echo_variation = 0;  ///< variance of the echoes' intensities over the square of their mean
   double mean_width_m = 0;    ///< of the beams where they met leaves
+  double leaves_per_resolution =
+      0;  ///< optical path of a range resolution among leaves: how many make an echo together
   /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
   double lost_share = 0;
   double unreturned_share = 0;  ///< and the share of it whose beams return nothing (unreturned_per_lost())
@@ -60,9 +62,10 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D
 /// the mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The
-/// other is the mean echo times exp(0.21 − 0.56·weakest/mean + 1.06·(D/s)·exp(−b/0.25 m) + wood), the weakest being the
-/// strength that 2 % of the echoes do not reach, wood that of beams which fall wholly on a post over all echoes; 6 %
-/// off, and 0.8 times the wood. Detection share: the weakest over 1.03 full echoes. What beams without an echo have
+/// other is the mean echo times exp(0.25 − 0.65·weakest/mean + 0.95·(D/s)·exp(−0.75·n) + 0.5·wood), the weakest being
+/// the strength that 2 % of the echoes do not reach, n how many leaves stand in a range resolution (b times
+/// ends_per_metre_behind()), wood that of beams which fall wholly on a post over all echoes; 4.5 % off, and 0.7 times
+/// the wood. Detection share: the weakest over 1.03 full echoes. What beams without an echo have
 /// met: unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the

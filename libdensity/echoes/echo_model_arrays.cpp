@@ -36,7 +36,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.mean_echo_weight,
           m.lacks_downward_misses ? 1.0 : 0.0,
           number_of(m.beam.returns),
-          m.resolution_assumed ? 1.0 : 0.0};
+          m.resolution_assumed ? 1.0 : 0.0,
+          m.leaves_per_resolution};
 }
 
 }  // namespace
@@ -56,7 +57,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (f.empty()) return std::nullopt;
   // A number that is not used any more came with version 3, the lost share with 4, what goes with the cosine with 6,
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
-  // with 13, which echo the lidar reports with 14, whether the range resolution is assumed with 18.
+  // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
+  // echo together with 18.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -78,6 +80,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
     m.beam.returns = kReturnModes[static_cast<std::size_t>(returns) - 1].second;
   }
   if (f.size() > kOldest + 8) m.resolution_assumed = f[kOldest + 8] != 0;
+  if (f.size() > kOldest + 9) m.leaves_per_resolution = f[kOldest + 9];
+  if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");
   if (!(m.lacking_share >= 0 && m.lacking_share < 1)) return damaged(arrays, "full echoes cannot lack that much");

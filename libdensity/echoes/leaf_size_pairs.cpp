@@ -40,6 +40,20 @@ void LeafSizePairs::add(double distance_m, double delta_m, bool hit, LeafSizePai
   ++echoes.ends[i][static_cast<std::size_t>(depth)];
 }
 
+double ends_per_metre_behind(const LeafSizePairs& pairs) {
+  constexpr double kUsual = 2.5;
+  constexpr std::size_t kNear = 8;  // steps of distance
+  constexpr int kFrom = LeafSizePairs::kDepths / 2 + 5, kTo = LeafSizePairs::kDepths / 2 + 15;
+  constexpr std::uint64_t kLeast = 200;
+  std::uint64_t past = 0, ends = 0;
+  for (std::size_t i = 0; i < kNear; ++i) {
+    past += pairs.beyond[i] + sum_of(pairs.rays[i], kFrom, LeafSizePairs::kDepths);
+    ends += sum_of(pairs.rays[i], kFrom, kTo);
+  }
+  if (past < kLeast) return kUsual;
+  return static_cast<double>(ends) / static_cast<double>(past) / ((kTo - kFrom) * LeafSizePairs::kDepthStepM);
+}
+
 PairCounts counts_of(const LeafSizePairs& pairs, double window_m) {
   constexpr int kMiddle = LeafSizePairs::kDepths / 2;
   const auto steps = static_cast<int>(std::lround(window_m / LeafSizePairs::kDepthStepM));

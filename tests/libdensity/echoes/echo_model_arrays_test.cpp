@@ -40,6 +40,7 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.lacks_downward_misses, b.lacks_downward_misses);
   EXPECT_EQ(a.beam.returns, b.beam.returns);
   EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
+  EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
@@ -55,13 +56,14 @@ TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
   for (const auto& [name, mode] : kReturnModes) {
     EchoModel model = model_of(0.044);
     model.beam.returns = mode, model.resolution_assumed = mode == ReturnMode::first;
+    model.leaves_per_resolution = 0.4;
     tile::ArraySet arrays = arrays_from_echo_model(model);
     const auto read = echo_model_from_arrays(arrays);
     ASSERT_TRUE(read && *read) << name;
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers[numbers.size() - 2] = none;
+      numbers[numbers.size() - 3] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
@@ -76,9 +78,13 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
-  whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true;
+  whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  whole.leaves_per_resolution = 0;
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   whole.resolution_assumed = false;

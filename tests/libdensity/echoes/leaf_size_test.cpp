@@ -119,6 +119,18 @@ TEST(LeafSize, PairsAreSortedByWhereTheNextRayEnds) {
   EXPECT_EQ(wide.behind[2], 0u);
 }
 
+// Of 400 rays within 4 cm of a hit 100 end nearer than 5 cm behind it, 60 in the 10 cm from there on, and the rest
+// farther on.
+TEST(LeafSize, PairsTellHowDenseLeavesStandBehindLeaves) {
+  LeafSizePairs pairs;
+  EXPECT_EQ(ends_per_metre_behind(pairs), 2.5);
+  for (int i = 0; i < 400; ++i)
+    pairs.add(0.015, i < 100 ? 0.02 : i < 160 ? 0.055 + 0.09 * (i - 100) / 60 : 0.3, i % 2 == 0 || i < 160);
+  EXPECT_NEAR(ends_per_metre_behind(pairs), 60.0 / 300 / 0.1, 1e-9);
+  for (int i = 0; i < 1000; ++i) pairs.add(0.045, 0.1, true);  // too far aside
+  EXPECT_NEAR(ends_per_metre_behind(pairs), 60.0 / 300 / 0.1, 1e-9);
+}
+
 TEST(LeafSize, NoiseOfRangesIsFoundAndMakesLeavesNoSmaller) {
   HedgeOptions options;
   options.leaf_size_m2 = 0.0100, options.leaf_area_per_m = 3;
