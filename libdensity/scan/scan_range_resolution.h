@@ -13,7 +13,7 @@ namespace rayfield::density {
 bool lacks_resolution(const LidarBeam& beam, const BeamOptions& options);
 
 /// view_of() the scan, with its range resolution measured on the ground where neither the options nor the scan say it
-/// (kind "spots"; docs/beams.md, "The range resolution").
+/// (kind "spots"; docs/beams.md, "How well").
 Result<std::shared_ptr<const BeamView>> view_with_resolution(ScanWork& work, const SurveyedScan& surveyed);
 
 }  // namespace rayfield::density
