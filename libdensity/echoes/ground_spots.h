@@ -31,9 +31,6 @@ class GroundSpots {
   struct Sum {
     std::int64_t count = 0, lift = 0, depth = 0, cosine = 0;  ///< in units of kUnit
   };
-  struct Place {
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the ground; zero where that is not known
-  };
   struct Geometry;
   std::shared_ptr<const Geometry> geometry_;
   std::vector<Sum> sums_;  // [place·kDepths + class of depth]
