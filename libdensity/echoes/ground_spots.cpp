@@ -8,7 +8,8 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kPlaceM = 0.5;         // side of a place
+constexpr double kPlaceM = 0.5;         // side of a place, and more
+constexpr double kPlacesAcross = 50;    // of larger tiles, so that none takes more memory than one of 25 m
 constexpr double kSteepSpotM = 0.03;    // spots less deep than this give the ground's true height
 constexpr double kPerDoubling = 5;      // classes of spot depth above
 constexpr double kFarthestM = 12;       // farther on a milliradian of the scan's tilt is as much as is looked for
@@ -26,11 +27,12 @@ struct GroundSpots::Geometry {
   std::shared_ptr<const SensorTrack> track;
   const GroundModel* ground = nullptr;
   Eigen::Vector2d corner = Eigen::Vector2d::Zero();
+  double place_m = kPlaceM;              // side of a place
   int side = 0;                          // places
   std::vector<Eigen::Vector3d> normals;  // of the ground at each place; zero where it is not known
 
   std::optional<std::size_t> place_of(const Eigen::Vector3d& p) const {
-    const Eigen::Array2d at = ((p.head<2>() - corner) / kPlaceM).array().floor();
+    const Eigen::Array2d at = ((p.head<2>() - corner) / place_m).array().floor();
     if ((at < 0).any() || (at >= side).any()) return std::nullopt;
     return static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(side) + static_cast<std::size_t>(at.y());
   }
@@ -52,10 +54,12 @@ GroundSpots::GroundSpots(const LidarBeam& beam, std::shared_ptr<const SensorTrac
   auto geometry = std::make_shared<Geometry>();
   geometry->beam = beam, geometry->track = std::move(track), geometry->ground = &ground;
   geometry->corner = tile.corner();
-  geometry->side = static_cast<int>(std::ceil(tile.size_m / kPlaceM));
+  geometry->place_m = std::max(kPlaceM, tile.size_m / kPlacesAcross);
+  geometry->side = static_cast<int>(std::ceil(tile.size_m / geometry->place_m));
   for (int x = 0; x < geometry->side; ++x)
     for (int y = 0; y < geometry->side; ++y)
-      geometry->normals.push_back(normal_at(ground, geometry->corner + kPlaceM * Eigen::Vector2d(x + 0.5, y + 0.5)));
+      geometry->normals.push_back(
+          normal_at(ground, geometry->corner + geometry->place_m * Eigen::Vector2d(x + 0.5, y + 0.5)));
   sums_.assign(geometry->normals.size() * kDepths, {});
   geometry_ = std::move(geometry);
 }
