@@ -2,7 +2,7 @@
 """Draws sites with real beams at random, one scan in full leaf each, for accuracy.py.
 
     tests/accuracy/draw_sites.py one|several COUNT SEED OUT [--prefix NAME] [--thin] [--all-rays]
-                             [--returns first|strongest|last]
+                             [--returns first|strongest|last] [--season]
 
 Two rows of 22 m of walls, sprawl or crowns: slope, azimuth, latitude, spacing, leaf area per metre, size and outline of
 leaves, detection share, range resolution, angle dependence and scatter of echoes, and dark wood are drawn. `one`: spun
@@ -10,7 +10,9 @@ leaves, detection share, range resolution, angle dependence and scatter of echoe
 lidars in turn, reporting the first or the strongest echo; their clouds hold the downward beams without a return, as
 `rayfield slam` keeps them. With --thin the same sites and seeds with beams without a width: what is wrong there is not
 the beams'. With --all-rays clouds of one beam hold them, too; with --returns all
-lidars report that echo. The same SEED draws the same sites.
+lidars report that echo. With --season each site has
+three rows and three dates for seasons.py, bare, with half of its leaves and with
+all, driven in other orders and with the receiver off by another vector on each. The same SEED draws the same sites.
 """
 import argparse
 import os
@@ -62,7 +64,24 @@ def text(values):
     return [f"{key} = {value:.4g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values]
 
 
-def site(rng, name, number, several, thin, all_rays, returns):
+def dates(rng, latitude, season):
+    south = latitude < 0
+    full = [f'date = "{"2020-01-15" if south else "2020-07-15"}"', "leaf_fraction = 1.0",
+            f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}", f"seed = {rng.randrange(1000)}"]
+    if not season:
+        return ["[[date]]", *full, ""]
+    lines = []
+    for date, leaves in (("2019-08-05" if south else "2020-02-05", 0.0), ("2019-11-10" if south else "2020-05-10", 0.5),
+                         (None, 1.0)):
+        lines += ["[[date]]", *(full if date is None else
+                                [f'date = "{date}"', f"leaf_fraction = {leaves}", f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}",
+                                 f"seed = {rng.randrange(1000)}"]),
+                  f'order = "{rng.choice(["skip", "reverse", "sequential"])}"', "[[date.gps_jumps]]", "start_s = 0",
+                  "duration_s = 100000", *(f"{axis}_m = {rng.uniform(-2.5, 2.5):.2f}" for axis in ("east", "north", "up"))]
+    return [*lines, ""]
+
+
+def site(rng, name, number, several, thin, all_rays, returns, season):
     kind = rng.choice(["vsp", "sprawl", "crown"] if several else ["vsp", "vsp", "sprawl"])
     spacing = rng.uniform(3.4, 4.2) if kind == "crown" else rng.uniform(2.4, 3.6)
     latitude = rng.uniform(-45, 50)
@@ -70,7 +89,7 @@ def site(rng, name, number, several, thin, all_rays, returns):
              f"longitude_deg = {rng.uniform(-120, 150):.3f}", f"height_m = {rng.uniform(10, 500):.0f}",
              f"seed = {rng.randrange(10**6)}", "[terrain]", f"slope_percent = {rng.uniform(0, 12):.1f}",
              f"slope_azimuth_deg = {rng.uniform(0, 360):.0f}", f"relief_m = {rng.uniform(0.1, 0.4):.2f}",
-             "relief_wavelength_m = 35", "[rows]", "count = 2", "length_m = 22", f"spacing_m = {spacing:.2f}",
+             "relief_wavelength_m = 35", "[rows]", f"count = {3 if season else 2}", "length_m = 22", f"spacing_m = {spacing:.2f}",
              f"azimuth_deg = {rng.uniform(0, 180):.0f}", "panel_length_m = 5.5",
              f"vine_spacing_m = {rng.uniform(1.0, 2.0):.2f}", *([ORCHARD] if kind == "crown" else [])]
     lines += canopy(rng, kind, several)
@@ -93,8 +112,7 @@ def site(rng, name, number, several, thin, all_rays, returns):
     lines += ["[reflectance]", f"angle_dependence = {rng.uniform(0, 1):.2f}"]
     if rng.random() < 2 / 3:
         lines += ["post = 0.55", "wood = 0.55", "wire = 0.55"]
-    return "\n".join(lines + ["[[date]]", f'date = "{"2020-01-15" if latitude < 0 else "2020-07-15"}"', "leaf_fraction = 1.0",
-                              f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}", f"seed = {rng.randrange(1000)}", ""])
+    return "\n".join(lines + dates(rng, latitude, season))
 
 
 def main():
@@ -107,6 +125,7 @@ def main():
     parser.add_argument("--thin", action="store_true")
     parser.add_argument("--all-rays", action="store_true")
     parser.add_argument("--returns", choices=["first", "strongest", "last"])
+    parser.add_argument("--season", action="store_true")
     arguments = parser.parse_args()
     os.makedirs(arguments.out, exist_ok=True)
     for number in range(arguments.count):
@@ -114,7 +133,7 @@ def main():
         name = f"{arguments.prefix}_{number:02d}"
         with open(f"{arguments.out}/{name}.toml", "w") as file:
             file.write(site(rng, name, number, arguments.lidars == "several", arguments.thin, arguments.all_rays,
-                            arguments.returns))
+                            arguments.returns, arguments.season))
 
 
 if __name__ == "__main__":

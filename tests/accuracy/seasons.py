@@ -143,12 +143,14 @@ def measure_site(arguments, site_file):
         true_leaf = np.array([t["leaf_area_m2"] for _, t in pairs])
         true_plant = true_leaf + np.array([t["wood_area_m2"] for _, t in pairs])
         inside = [v["ci_low_m2"] <= t["leaf_area_m2"] <= v["ci_high_m2"] for v, t in pairs if v["ci_low_m2"] is not None]
+        plant_inside = [v["plant_ci_low_m2"] <= t <= v["plant_ci_high_m2"] for (v, _), t in zip(pairs, true_plant)]
         by_panel[date] = {v["panel_uid"]: (v, t) for v, t in pairs}
         alignment = scans[date].get("alignment", {})
         figures["dates"][date] = {
             "panels": len(pairs), "posts_m": float(np.sqrt((np.linalg.norm((places - first)[:, :2], axis=1) ** 2).mean())),
             "residual_m": alignment.get("residual_m", float("nan")), "shift_m": float(np.linalg.norm(alignment.get("offset_m", [0, 0])[:2])),
             "total": plant.sum() / true_plant.sum(), "rrmse": float(np.sqrt(np.mean((plant - true_plant) ** 2)) / true_plant.mean()),
+            "slope": float(np.polyfit(true_plant, plant, 1)[0]), "plant_in_interval": float(np.mean(plant_inside)),
             "leaf_total": leaf.sum() / true_leaf.sum() if true_leaf.sum() > 0 else float("nan"),
             "leaf_rrmse": float(np.sqrt(np.mean((leaf - true_leaf) ** 2)) / true_leaf.mean()) if true_leaf.sum() > 0 else float("nan"),
             "leaf_worst_m2": float(np.abs(leaf - true_leaf).max()), "true_leaf_m2": float(true_leaf.sum()),
@@ -212,12 +214,13 @@ def main():
         print(f"\n**{name}**: repeated drives {100 * f.get('repeat', float('nan')):.1f} % per panel, "
               f"{100 * f.get('repeat_half_metre', float('nan')):.1f} % per half metre; sign of {f['clear_changes']} clear "
               f"changes right in {100 * f['sign']:.1f} %; missed: {', '.join(missed) or '–'}\n")
-        print("| date | panels | shift m | posts against the first date, rms mm | residual mm | plant area, ratio, RRMSE | "
-              "leaf area, ratio, RRMSE, worst panel m² | truth in 95 % interval |")
-        print("|---|---|---|---|---|---|---|---|")
+        print("| date | panels | shift m | posts against the first date, rms mm | residual mm | plant area, ratio, RRMSE, slope | "
+              "truth in 95 % interval | leaf area, ratio, RRMSE, worst panel m² | truth in 95 % interval |")
+        print("|---|---|---|---|---|---|---|---|---|")
         for date, x in f["dates"].items():
             print(f"| {date} | {x['panels']} | {x['shift_m']:.1f} | {1e3 * x['posts_m']:.0f} | {1e3 * x['residual_m']:.0f} "
-                  f"| {x['total']:.3f}, {100 * x['rrmse']:.1f} % | {x['leaf_total']:.3f}, {100 * x['leaf_rrmse']:.1f} %, "
+                  f"| {x['total']:.3f}, {100 * x['rrmse']:.1f} %, {x['slope']:.2f} | {100 * x['plant_in_interval']:.0f} % "
+                  f"| {x['leaf_total']:.3f}, {100 * x['leaf_rrmse']:.1f} %, "
                   f"{x['leaf_worst_m2']:.2f} | {100 * x['in_interval']:.0f} % |", flush=True)
     if arguments.json:
         with open(arguments.json, "w") as file:
