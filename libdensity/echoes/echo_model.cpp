@@ -6,6 +6,7 @@
 
 #include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/unreturned_beams.h"
+#include "libdensity/echoes/wood_echoes.h"
 
 namespace rayfield::density {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6;
+constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: weaker ones are of canes
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
@@ -121,7 +123,7 @@ double lost_share(const std::vector<std::uint32_t>& histogram, double full_echo,
 /// Echoes over those of beams that fall wholly on posts and trunks: 1–5 for bare vines, 20–50 at full leaf.
 double leafiness_of(const EchoStatistics& statistics) {
   return static_cast<double>(statistics.echoes()) /
-         static_cast<double>(std::max<std::uint64_t>(1, statistics.wood_echoes()));
+         static_cast<double>(std::max<std::int64_t>(1, statistics.wood().count));
 }
 
 double widths_of_leaf(const EchoModel& model) {
@@ -190,6 +192,37 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
 
+EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
+  model.leaves_per_resolution = known.range_resolution_m * ends_per_metre_behind(statistics.pairs_from(0));
+  model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
+  const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
+  const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());
+  for (int round = 0; round < kRounds; ++round) {
+    model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
+    measure_leaves(statistics, known, model);
+    if (known.full_echo > 0) break;
+    measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
+  }
+  model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
+  model.unreturned_share =
+      model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
+  return model;
+}
+
+std::optional<EchoModel> model_of_wood(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
+  const double weakest = quantile(statistics.histogram(), kWeakestShare) / kWeakest;
+  const auto wood = wood_echoes(statistics, sum_of(statistics.all()).mean(), weakest);
+  if (!wood) return std::nullopt;
+  model.full_echo = known.full_echo > 0 ? known.full_echo : wood->full_echo;
+  model.full_echo_error = kWoodEchoesError;
+  model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
+  model.wood_returned = wood->returned_share;
+  model.leaf_size_from = known.leaf_size_m2 >= 0 ? LeafSizeFrom::options : LeafSizeFrom::pairs;
+  model.leaf_size_m2 =
+      known.leaf_size_m2 >= 0 ? known.leaf_size_m2 : estimate_leaf_size(statistics.pairs_from(0)).area_m2;
+  return model;
+}
+
 }  // namespace
 
 EchoModel with_aspect(EchoModel model, const LeafAspect& aspect) {
@@ -212,25 +245,15 @@ bool sends_one_beam(const EchoStatistics& statistics) {
 }
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
-  if (statistics.echoes() < kEnoughEchoes || leafiness_of(statistics) < kLeastLeafiness) return std::nullopt;
+  if (statistics.echoes() < kEnoughEchoes) return std::nullopt;
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
-  model.leaves_per_resolution = known.range_resolution_m * ends_per_metre_behind(statistics.pairs_from(0));
-  model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
-  const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
-  const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());
-  for (int round = 0; round < kRounds; ++round) {
-    model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
-    measure_leaves(statistics, known, model);
-    if (known.full_echo > 0) break;
-    measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
-  }
-  model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
-  model.unreturned_share =
-      model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
-  return model;
+  if (known.bare || leafiness_of(statistics) < kLeastLeafiness) return model_of_wood(statistics, known, model);
+  const EchoModel of_leaves = model_of_leaves(statistics, known, model);
+  const bool of_canes = known.full_echo <= 0 && of_leaves.full_echo < kLeastOverWood * statistics.wood().mean();
+  return of_canes ? model_of_wood(statistics, known, model) : of_leaves;
 }
 
 }  // namespace rayfield::density

@@ -38,6 +38,8 @@ struct EchoModel {
   bool lacks_downward_misses = false;
   /// Whether the range resolution is a typical one, though it could have been measured had there been ground to see.
   bool resolution_assumed = false;
+  /// Of a scan of bare vines: WoodEchoes::returned_share, in place of all that is said of leaves.
+  std::optional<double> wood_returned;
 };
 
 /// The model of leaves that are not turned at random: its full echo is that of rays that meet them so, its leaves are
@@ -51,13 +53,17 @@ struct EchoKnowledge {
   double range_resolution_m = 0.15;
   double full_echo = 0;      ///< 0: from the statistics
   double leaf_size_m2 = -1;  ///< negative: from the statistics
+  bool bare = false;         ///< the vines bear no leaves
 };
 
 /// Whether the lidar sends one beam after the other, so that the previous one is the one beside: of a scan, or a tile.
 bool sends_one_beam(const EchoStatistics& statistics);
 
-/// Nothing where the echoes do not tell: too few, all of one intensity, or mostly of wood (fewer than six to one of a
-/// beam that falls wholly on a post or trunk): canes are thinner than the beam, and nothing here knows by how much.
+/// Nothing where the echoes do not tell: too few, or all of one intensity.
+///
+/// Of bare vines, and where fewer than six echoes are to one of a beam that falls wholly on a post or trunk, or the
+/// full echo comes out below 0.55 of that of posts and trunks, so that canes make it: wood_echoes(), with
+/// EchoModel::wood_returned, or nothing where too few beams fell on posts and trunks. Else:
 ///
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D

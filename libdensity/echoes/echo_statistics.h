@@ -35,7 +35,7 @@ class EchoStatistics {
   /// An echo of the ground, by the cosine of the beam to the ground's normal.
   void add_ground_echo(std::uint16_t intensity, double cosine);
   /// An echo of a beam that falls wholly on a known post or trunk.
-  void add_wood_echo() { ++wood_echoes_; }
+  void add_wood_echo(std::uint16_t intensity) { wood_.add(1, intensity); }
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
   void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
   /// That one beam turned from one ray of such a pair to the other, which went past within 4 cm.
@@ -49,7 +49,8 @@ class EchoStatistics {
   /// How the ground's echoes depend on the angle, with an error for leaves' doing otherwise; the belief of those who
   /// have not looked where the ground is not seen both steeply and aslant.
   AngleDependence ground_dependence() const;
-  std::uint64_t wood_echoes() const { return wood_echoes_; }
+  /// Echoes of beams that fell wholly on known posts and trunks.
+  const Sum& wood() const { return wood_; }
   /// Of lidars with one beam most echoes have one, of lidars with several at a time few.
   std::uint64_t same_beam_beside() const { return same_beam_beside_; }
   /// [intensity]: number of echoes
@@ -64,7 +65,8 @@ class EchoStatistics {
   std::array<Sum, kWidthBins> all_{};
   std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
   std::vector<FullEcho> full_;
-  std::uint64_t wood_echoes_ = 0, same_beam_beside_ = 0;
+  Sum wood_;
+  std::uint64_t same_beam_beside_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
 };

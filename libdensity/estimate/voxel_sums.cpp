@@ -104,6 +104,7 @@ class ReturnedOfRow {
  public:
   ReturnedOfRow(const EchoModel& model, const CrossSection& section) : model_(model), section_(section) {}
   double operator()(std::size_t voxel, double width_m) const {
+    if (model_.wood_returned) return *model_.wood_returned;
     const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
     const double widths = model_.leaf_size_m2 > 0 ? width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;

@@ -29,6 +29,7 @@ std::string processed_key(const ProcessOptions& options, const tile::ScanEntry& 
   KeyBuilder key(kKind, kProcessedVersion);
   key.add(stage_versions()).add(option_numbers(options)).add(content_of(scan));
   if (const auto& beam = scan.beam) add_beam(key, *beam);
+  if (!has_thin_beam(scan)) key.add(scan.dormant == true ? 1.0 : 0.0);  // measure_echoes()
   add_lines(key, known);
   return key.add(geometry_key(layout)).hex();
 }

@@ -31,7 +31,7 @@ constexpr double kMissingRaysError = 0.15;
 // Of the range resolution where 15 cm are assumed: with 8 to 25 cm areas are off by 0.56 to 1.15 (docs/beams.md).
 constexpr double kAssumedResolutionError = 0.1;
 // What earlier echoes took of a beam whose last one is reported is made up for where echoes are weighed; where they are
-// counted thin wood is missing, behind which the ground gives another echo.
+// counted, or of canes, thin wood is missing, behind which the ground gives another echo.
 constexpr double kLastWeighedError = 0.05, kLastCountedError = 0.25;
 
 double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->diameter_at(kTypicalRangeM) : 0; }
@@ -39,11 +39,12 @@ double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
   const bool last = scan.beam->returns == ReturnMode::last;
-  if (model)
-    return std::hypot(
-        std::hypot(kModelError, model->full_echo_error),
-        std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0,
-                   model->resolution_assumed ? kAssumedResolutionError : 0, last ? kLastWeighedError : 0));
+  if (model) {
+    const double of_last = model->wood_returned ? kLastCountedError : kLastWeighedError;
+    return std::hypot(std::hypot(kModelError, model->full_echo_error),
+                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0,
+                                 model->resolution_assumed ? kAssumedResolutionError : 0, last ? of_last : 0));
+  }
   return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
 }
 
@@ -92,6 +93,7 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   KeyBuilder key(kEchoModelKind, kEchoesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
   key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
+  key.add(work.scan.dormant == true ? 1.0 : 0.0);
   add_beam(key, view->beam);
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
@@ -101,10 +103,11 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                     make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
-    auto model = sampled.statistics
-                     ? estimate_echo_model(*sampled.statistics, {view->beam, resolution_of(view->beam, beam),
-                                                                 beam.full_echo, work.options.estimator.leaf_size_m2})
-                     : std::nullopt;
+    auto model =
+        sampled.statistics
+            ? estimate_echo_model(*sampled.statistics, {view->beam, resolution_of(view->beam, beam), beam.full_echo,
+                                                        work.options.estimator.leaf_size_m2, work.scan.dormant == true})
+            : std::nullopt;
     if (model) {
       model->lacks_downward_misses = work.voxels.sure_return_m > 0;
       model->resolution_assumed = lacks_resolution(view->beam, beam);
@@ -148,6 +151,13 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
                       "wood): areas but those of posts and trunks are off by a factor of about {:.1f} either way, and "
                       "their intervals say so",
                       std::exp(error));
+  if (model->wood_returned)
+    return note +
+           fmt::format(
+               "which is taken out as of bare vines, whose canes are taken to be as bright as posts and trunks: a "
+               "full echo is {:.0f}, the weakest {:.2f} of it, and {:.0f} % of what canes take is in echoes; what "
+               "is left is about {:.0f} %, in the intervals",
+               model->full_echo, model->detection_share, 100 * *model->wood_returned, 100 * error);
   note += fmt::format("which is taken out: a full echo is {:.0f} ± {:.0f}, the weakest {:.2f} of it, leaves {:.0f} cm²",
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);

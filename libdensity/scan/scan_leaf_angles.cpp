@@ -174,7 +174,8 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
                                          const std::shared_ptr<const BeamView>& view,
                                          const std::optional<EchoModel>& echoes) {
   const bool measures = work.options.voxels.leaf_angles.type == LeafAngleType::measured && has_thin_beam(work.scan);
-  if (work.options.estimator.estimator == Estimator::paper || (!echoes && !measures)) return LeafAngleFit{};
+  const bool shows_leaves = echoes && !echoes->wood_returned;
+  if (work.options.estimator.estimator == Estimator::paper || (!shows_leaves && !measures)) return LeafAngleFit{};
   std::shared_ptr<const BeamView> with_echo;
   if (view && echoes) {
     auto copy = std::make_shared<BeamView>(*view);

@@ -158,7 +158,7 @@ void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted) {
   const double width_m = geometry_->view->beam.diameter_at(ray.range_m + ray.length);
   if (counted.wood != nullptr) {
     const double beside = distance_from_axis(*counted.wood, ray.origin, ray.direction);
-    if (beside + width_m / 2 < counted.wood->radius_m) statistics_->add_wood_echo();
+    if (beside + width_m / 2 < counted.wood->radius_m) statistics_->add_wood_echo(ray.intensity);
   }
   if (counted.on_ground) statistics_->add_ground_echo(ray.intensity, geometry_->ground.cosine_to(ray.direction));
   if (!counted.hit) return;

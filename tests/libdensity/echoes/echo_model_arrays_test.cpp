@@ -41,6 +41,7 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.beam.returns, b.beam.returns);
   EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
+  EXPECT_EQ(a.wood_returned, b.wood_returned);
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
@@ -63,10 +64,22 @@ TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers[numbers.size() - 3] = none;
+      numbers[numbers.size() - 4] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
+  }
+}
+
+TEST(EchoModelArrays, GiveBackWhatEchoesHoldOfBareWood) {
+  EchoModel model = model_of(0.044);
+  for (const double returned : {0.3, 1.0}) {
+    model.wood_returned = returned;
+    expect_same(**echo_model_from_arrays(arrays_from_echo_model(model)), model);
+  }
+  for (const double cannot_be : {-0.1, 1.1}) {
+    model.wood_returned = cannot_be;
+    EXPECT_FALSE(echo_model_from_arrays(arrays_from_echo_model(model))) << cannot_be;
   }
 }
 
@@ -78,9 +91,14 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
-  whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4;
+  whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
+  whole.wood_returned = 0.8;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  whole.wood_returned.reset();
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   whole.leaves_per_resolution = 0;

@@ -54,7 +54,7 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWeakestTheWidthAndWood) {
     EchoStatistics statistics = whole_leaves(width_m, 0.5);
     add_close_pairs(statistics);
     per_metre = add_ends_behind(statistics, 750);
-    for (std::uint64_t i = 0; i < wood; ++i) statistics.add_wood_echo();
+    for (std::uint64_t i = 0; i < wood; ++i) statistics.add_wood_echo(static_cast<std::uint16_t>(kFull / 2));
     EchoKnowledge known = lidar(width_m);
     known.range_resolution_m = range_resolution_m;
     return *estimate_echo_model(statistics, known);
@@ -189,12 +189,45 @@ TEST(EchoModel, LidarsWithOneBeamAreToldByThePreviousBeam) {
   EXPECT_TRUE(sends_one_beam(statistics));
 }
 
-TEST(EchoModel, WhereMostIsWoodLeavesTellNothing) {
+void add_posts(EchoStatistics& statistics, int echoes) {
+  for (int i = 0; i < echoes; ++i) statistics.add_wood_echo(static_cast<std::uint16_t>(kFull));
+}
+
+TEST(EchoModel, WhereMostIsWoodPostsTellAFullEcho) {
   EchoStatistics statistics = whole_leaves(0.03, 0.8);
-  for (int i = 0; i < 2000; ++i) statistics.add_wood_echo();
-  EXPECT_TRUE(estimate_echo_model(statistics, lidar(0.03)).has_value());
-  for (int i = 0; i < 2000; ++i) statistics.add_wood_echo();
-  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03)).has_value());
+  add_posts(statistics, 2000);
+  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);
+  add_posts(statistics, 2000);
+  const auto model = estimate_echo_model(statistics, lidar(0.03));
+  ASSERT_TRUE(model && model->wood_returned);
+  EXPECT_NEAR(model->full_echo, kFull, 1e-9);
+  EXPECT_NEAR(model->detection_share, 0.8 * 0.712 / 1.03, 0.003);  // 2 % of 0.7 … 1.3 are below 0.712
+  EXPECT_EQ(model->lost_share, 0);
+}
+
+// A block with few posts: canes are as many to each echo of a post as leaves are elsewhere, but a third as strong as
+// posts.
+TEST(EchoModel, EchoesFarBelowThoseOfPostsAreOfCanes) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.3);
+  add_posts(statistics, 500);
+  EXPECT_TRUE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);
+  EchoKnowledge known = lidar(0.03);
+  known.full_echo = 0.4 * kFull;
+  EXPECT_FALSE(estimate_echo_model(statistics, known)->wood_returned);  // told
+}
+
+TEST(EchoModel, BareVinesWithoutPostsTellNothing) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
+  add_posts(statistics, 199);
+  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);  // 30 to one: leaves
+  EchoKnowledge known = lidar(0.03);
+  known.bare = true;
+  EXPECT_FALSE(estimate_echo_model(statistics, known).has_value());
+  add_posts(statistics, 1);
+  EXPECT_TRUE(estimate_echo_model(statistics, known)->wood_returned);
+  EchoStatistics few = whole_leaves(0.03, 0.8, 1000);
+  add_posts(few, 199);
+  EXPECT_FALSE(estimate_echo_model(few, lidar(0.03)).has_value());
 }
 
 // The same pairs of echoes: where what lies farther behind is in an echo, too, leaves are larger than they look.

@@ -14,11 +14,12 @@ using ::testing::HasSubstr;
 
 const LidarBeam kBeam{0.0136, 0.0119, {}};
 
-testing::Drive wide_drive(double leaf_fraction, std::uint64_t seed, double resolution_m = 0.15) {
+testing::Drive wide_drive(double leaf_fraction, std::uint64_t seed, double resolution_m = 0.15,
+                          double detection_share = 0.25) {
   sim::Site site = testing::block_site(leaf_fraction, seed);
   site.lidar.range_resolution_m = resolution_m;
   site.lidar.beam_diameter_m = kBeam.diameter_m, site.lidar.divergence_mrad = 1000 * kBeam.divergence_rad;
-  site.lidar.detection_share = 0.25, site.lidar.detection = sim::Detection::returned_energy;
+  site.lidar.detection_share = detection_share, site.lidar.detection = sim::Detection::returned_energy;
   // Energy is covered share: dark wood reads low, which is not the beam's doing (docs/beams.md, "How far it can be
   // trusted").
   site.reflectance.wood = site.reflectance.post = site.reflectance.wire = site.reflectance.leaf;
@@ -55,6 +56,20 @@ TEST(WideBeam, ItsWidthIsTakenOutOfTheAreas) {
   counted.beam.enabled = false;
   block.process({}, counted);
   EXPECT_GT(areas_of(block.results("2020-01-20")).plant_m2 / plants, 1.12);
+}
+
+// Canes are a fraction of the beam, which low detection shares see all the same: counted, they are twice as many.
+TEST(WideBeam, BareVinesAreWeighedByTheirPosts) {
+  Block block;
+  const testing::Drive bare = wide_drive(0, 4, 0.15, 0.12);
+  block.add("2019-08-01", bare, true, kBeam);
+  const ProcessReport report = block.process();
+  EXPECT_THAT(report.scans[0].notes, Contains(HasSubstr("taken out as of bare vines")));
+  EXPECT_NEAR(areas_of(block.results("2019-08-01")).plant_m2 / bare.wood_area_m2, 1, 0.15);
+  ProcessOptions counted;
+  counted.beam.enabled = false;
+  block.process({}, counted);
+  EXPECT_GT(areas_of(block.results("2019-08-01")).plant_m2 / bare.wood_area_m2, 1.5);
 }
 
 // Where neither the rig nor SLAM says it, the ground does.

@@ -1,0 +1,21 @@
+#include "libdensity/echoes/wood_echoes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rayfield::density {
+namespace {
+
+constexpr std::int64_t kEnoughOnPosts = 200;
+constexpr double kMissing = 4.87, kMissingPower = 3, kLeastReturned = 0.25;
+
+}  // namespace
+
+std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest) {
+  if (statistics.wood().count < kEnoughOnPosts || !(weakest > 0) || !(mean > 0)) return std::nullopt;
+  const double above_weakest = std::max(1.0, mean / weakest);
+  return WoodEchoes{statistics.wood().mean(),
+                    std::max(kLeastReturned, std::exp(-kMissing / std::pow(above_weakest, kMissingPower)))};
+}
+
+}  // namespace rayfield::density
