@@ -14,6 +14,7 @@
 #include "libdensity/results/results_io.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_sides.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
@@ -86,7 +87,8 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
     RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
     const std::vector<LeafSum> sums = leaf_of_panels(leaf, of_wood, panels);
     for (std::size_t k = 0; k < panels.size(); ++k)
-      set_leaf_area(values[k], sums[k], panels[k].end_m - panels[k].start_m, layout.spacing_m, integration,
+      set_leaf_area(values[k], sums[k], panels[k].end_m - panels[k].start_m, layout.spacing_m,
+                    integration_of_row(integration, work.scan, row.number, voxels.rows_from_one_side),
                     work.options.leaf);
     return leaf;
   };
@@ -125,6 +127,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
       .add(option_numbers(work.options.plan));
   if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
+  key.add(std::vector<double>(voxels.rows_from_one_side.begin(), voxels.rows_from_one_side.end()));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileIndex index : counted.tiles)
     key.add(work.files.sha256("voxels", counted.prefix + tile_name(index)));

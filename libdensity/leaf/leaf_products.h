@@ -19,10 +19,11 @@ namespace rayfield::density {
 /// The voxels of a scan whose rays have been counted.
 struct ScanVoxels {
   RowSegmentList row_segments;
-  std::vector<WoodCylinder> wood;        ///< masked posts and trunks
-  std::vector<tile::TileIndex> tiles;    ///< with counters
-  std::optional<EchoModel> echoes = {};  ///< of beams that are not thin; then the counters have EchoCounters
-  LeafAngleFit leaf_angles = {};         ///< what was measured of them
+  std::vector<WoodCylinder> wood;            ///< masked posts and trunks
+  std::vector<tile::TileIndex> tiles;        ///< with counters
+  std::optional<EchoModel> echoes = {};      ///< of beams that are not thin; then the counters have EchoCounters
+  LeafAngleFit leaf_angles = {};             ///< what was measured of them
+  std::vector<int> rows_from_one_side = {};  ///< Row::number (scan_sides.h)
 };
 
 /// The dormant scan whose wood is subtracted.

@@ -18,6 +18,7 @@
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/scan_leaf_angles.h"
 #include "libdensity/scan/scan_range_resolution.h"
+#include "libdensity/scan/scan_sides.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
 #include "libdensity/scan/scan_voxels.h"
@@ -64,6 +65,7 @@ Result<bool> find_plants(ScanInWork& scan, BlockRegistry& registry) {
   if (!processed) return false;
   RAYFIELD_ASSIGN(scan.voxels.echoes, read_echoes(scan.work.store, entry));
   RAYFIELD_ASSIGN(scan.voxels.leaf_angles, read_leaf_angles(scan.work.store, entry));
+  scan.voxels.rows_from_one_side = processed->rows_from_one_side;
   take_leaf_angles(scan.voxels);
   scan.layout = registry.layout_for(entry);
   scan.processed = *processed;
@@ -86,6 +88,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   if (counts_all) work.voxels.sure_return_m = 0;
 
   scan.voxels.wood = wood_of(layout, surveyed.ground);
+  scan.voxels.rows_from_one_side = rows_from_one_side(layout, surveyed.survey.path(), work.options.rows);
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
   // The published method counts every echo.
   const bool counts_echoes = work.options.estimator.estimator == Estimator::paper;
@@ -110,6 +113,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   RAYFIELD_CHECK(keep_estimation(work, scan.voxels.wood));
   scan.processed.leaf_size_m2 = results.leaf_size_m2;
   scan.processed.voxel_m = voxel_m;
+  scan.processed.rows_from_one_side = scan.voxels.rows_from_one_side;
   RAYFIELD_ASSIGN(scan.processed.totals, total_scan(work, layout, results, counts_all));
   report_plants(scan);
   return keep_processed(work, processed_key(work.options, work.scan, known, layout), scan.processed);
@@ -164,6 +168,9 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   std::vector<std::string>& notes = scan.report.notes;
   if (const std::string note = beam_note(scan.work.scan, scan.voxels.echoes); !note.empty()) notes.push_back(note);
   if (const std::string note = leaf_angle_note(scan.work.scan, scan.voxels.leaf_angles); !note.empty())
+    notes.push_back(note);
+  if (const std::string note = one_side_note(scan.work.scan, scan.layout, scan.voxels.rows_from_one_side);
+      !note.empty())
     notes.push_back(note);
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);

@@ -12,7 +12,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr const char* kKind = "processed";
-constexpr int kProcessedVersion = 2;
+constexpr int kProcessedVersion = 3;
 
 }  // namespace
 
@@ -49,6 +49,8 @@ Result<void> keep_processed(ScanWork& work, const std::string& key, const Proces
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
     arrays.columns["leaf_size_m2"] = std::vector<double>{processed.leaf_size_m2};
     arrays.columns["voxel_m"] = std::vector<double>{processed.voxel_m};
+    arrays.columns["rows_from_one_side"] =
+        std::vector<std::int32_t>(processed.rows_from_one_side.begin(), processed.rows_from_one_side.end());
     return arrays;
   }));
   return {};
@@ -61,8 +63,9 @@ Result<std::optional<ProcessedScan>> find_processed(const ScanWork& work, const 
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.store.read_derived(*entry));
   RAYFIELD_ASSIGN(const auto leaf_size, arrays.column<double>("leaf_size_m2"));
   RAYFIELD_ASSIGN(const auto voxel, arrays.column<double>("voxel_m"));
+  RAYFIELD_ASSIGN(const auto one_sided, arrays.column<std::int32_t>("rows_from_one_side"));
   if (!totals || leaf_size.size() != 1 || voxel.size() != 1) return std::nullopt;
-  return ProcessedScan{leaf_size[0], voxel[0], *totals};
+  return ProcessedScan{leaf_size[0], voxel[0], *totals, {one_sided.begin(), one_sided.end()}};
 }
 
 }  // namespace rayfield::density

@@ -21,6 +21,7 @@ Result<std::vector<std::string>> scans_to_process(const tile::Store& store, cons
 struct ProcessedScan {
   double leaf_size_m2 = 0, voxel_m = 0;
   ScanTotals totals = {};
+  std::vector<int> rows_from_one_side = {};  ///< ScanVoxels::rows_from_one_side
 };
 
 /// `known`: the layout that the scan's evidence was gathered along; `layout`: the one its maps were made with.

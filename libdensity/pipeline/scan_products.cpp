@@ -18,6 +18,7 @@
 #include "libdensity/results/section_values.h"
 #include "libdensity/scan/row_voxels.h"
 #include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/scan_sides.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/tiles/accumulate.h"
 #include "rayfield/core/parallel.h"
@@ -114,7 +115,9 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(done[i].density, counters.density(rows[i]->number, voxels.row_segments, voxels.wood,
                                                       work.options.estimator, voxels.echoes));
-    done[i].products = integrate_row(layout, *rows[i], *done[i].density, integration, settings);
+    done[i].products =
+        integrate_row(layout, *rows[i], *done[i].density,
+                      integration_of_row(integration, work.scan, rows[i]->number, voxels.rows_from_one_side), settings);
     return {};
   };
   const auto take = [&](std::size_t i) -> Result<void> {
@@ -168,6 +171,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
   builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
   builder.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   if (voxels.echoes) builder.add(model_numbers(voxels.echoes));
+  builder.add(std::vector<double>(voxels.rows_from_one_side.begin(), voxels.rows_from_one_side.end()));
   builder.add(option_numbers(work.options.plan)).add(work.layout_key).add(work.files.sha256("stretches", "block"));
   for (const tile::TileIndex index : voxels.tiles) builder.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileEntry& entry : work.scan.tiles)

@@ -30,6 +30,8 @@ constexpr double kModelError = 0.055;   // and where they are weighed
 constexpr double kMissingRaysError = 0.15;
 // Of the range resolution where 15 cm are assumed: with 8 to 25 cm areas are off by 0.56 to 1.15 (docs/beams.md).
 constexpr double kAssumedResolutionError = 0.1;
+// Of leaves whose size is not measured: half as large or twice as large moves the mean echo by a tenth.
+constexpr double kUnknownLeafError = 0.1;
 // What earlier echoes took of a beam whose last one is reported is made up for where echoes are weighed; where they are
 // counted, or of canes, thin wood is missing, behind which the ground gives another echo.
 constexpr double kLastWeighedError = 0.05, kLastCountedError = 0.25;
@@ -41,7 +43,8 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
   const bool last = scan.beam->returns == ReturnMode::last;
   if (model) {
     const double of_last = model->wood_returned ? kLastCountedError : kLastWeighedError;
-    return std::hypot(std::hypot(kModelError, model->full_echo_error),
+    const bool unknown_leaf = !model->wood_returned && model->leaf_size_from == LeafSizeFrom::nothing;
+    return std::hypot(std::hypot(kModelError, model->full_echo_error, unknown_leaf ? kUnknownLeafError : 0),
                       std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0,
                                  model->resolution_assumed ? kAssumedResolutionError : 0, last ? of_last : 0));
   }

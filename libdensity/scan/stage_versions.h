@@ -17,10 +17,10 @@ inline constexpr int kEchoesVersion = 19;
 inline constexpr int kLeafAnglesVersion = 5;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 20;
+inline constexpr int kResultsVersion = 21;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 3;
-inline constexpr int kLeafVersion = 12;
+inline constexpr int kLeafVersion = 13;
 inline constexpr int kLeafByEstimateVersion = 9;
 
 inline std::vector<double> stage_versions() {

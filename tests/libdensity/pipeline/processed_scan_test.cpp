@@ -85,5 +85,18 @@ TEST(ProcessedScan, IsLookedAtAgainWhereOptionsOrFilesAreOthers) {
   EXPECT_EQ(block.derived("2019-11-20"), files);
 }
 
+// One lane between two rows.
+TEST(ProcessedScan, WhatIsSeenFromOneSideIsSaidAgain) {
+  sim::Site site = testing::block_site(1, kFirst);
+  site.dates[0].lanes = {1};
+  Block block;
+  block.add("2020-01-20", testing::drive_past(site));
+  const auto said = ::testing::Contains(::testing::HasSubstr("driven past on one side only"));
+  EXPECT_THAT(run_over(block).report.scans[0].notes, said);
+  const ScanReport again = run_over(block).report.scans[0];
+  EXPECT_EQ(again.files_made, 0U);
+  EXPECT_THAT(again.notes, said);
+}
+
 }  // namespace
 }  // namespace rayfield::density

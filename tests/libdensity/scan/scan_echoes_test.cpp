@@ -72,6 +72,27 @@ TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
   EXPECT_NE(note.find("not measured"), std::string::npos) << note;
 }
 
+TEST(ScanEchoes, WhereLeavesAreNotMeasuredAreasAreTrustedLess) {
+  const auto error = [](LeafSizeFrom from) {
+    const EchoModel model{.full_echo = 100, .full_echo_error = 0.04, .leaf_size_m2 = 0.0065, .leaf_size_from = from};
+    return integration_with_beam({}, scan_with(0.0136, 0.0119), model).shared_error;
+  };
+  EXPECT_EQ(error(LeafSizeFrom::pairs), error(LeafSizeFrom::options));
+  EXPECT_NEAR(error(LeafSizeFrom::nothing), std::hypot(error(LeafSizeFrom::pairs), 0.1), 1e-9);
+}
+
+TEST(ScanEchoes, BareVinesAreSaidToBe) {
+  EchoModel model{.full_echo = 100, .full_echo_error = 0.3, .detection_share = 0.12};
+  model.wood_returned = 0.8;
+  const std::string note = beam_note(scan_with(0.0136, 0.0119), model);
+  EXPECT_NE(note.find("as of bare vines"), std::string::npos) << note;
+  EXPECT_NE(note.find("a full echo is 100, the weakest 0.12 of it, and 80 % of what canes take is in echoes"),
+            std::string::npos)
+      << note;
+  EXPECT_NEAR(integration_with_beam({}, scan_with(0.0136, 0.0119), model).shared_error,
+              std::hypot(IntegrationOptions{}.shared_error, 0.3, 0.055), 1e-9);
+}
+
 TEST(ScanEchoes, CloudsWithoutDownwardMissesAreTrustedLess) {
   EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
   const IntegrationOptions options;
