@@ -204,6 +204,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
   }
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
+  if (!sends_one_beam(statistics)) model.silent_share = statistics.silent().share();
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
   return model;
