@@ -7,7 +7,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr std::int64_t kEnoughOnPosts = 200;
-constexpr double kMissing = 4.87, kMissingPower = 3, kLeastReturned = 0.25;
+constexpr double kMissing = 4.0, kMissingPower = 3, kLeastReturned = 0.25;
 
 }  // namespace
 

@@ -13,16 +13,16 @@ struct WoodEchoes {
   double returned_share = 1;
 };
 
-/// Relative standard error of thin wood by it: 32 % on the scans that it was fitted to, 27 % by lidars with several
+/// Relative standard error of thin wood by it: 34 % on the scans that it was fitted to, 27 % by lidars with several
 /// beams, which had no part in it (docs/beams.md, "Bare vines").
 inline constexpr double kWoodEchoesError = 0.3;
 
 /// A cane across the middle of the beam takes 4·d/(π·D) of it (d its diameter, D the beam's), and less beside. All of
 /// that is in echoes where it is large beside the detection share, and nothing where it is not; how large it is shows
 /// in x, the mean strength of the echoes over `weakest`, the intensity where they begin. Vines have thick wood, too,
-/// which is in the mean when canes are not in any echo: exp(−4.87/x³), at least ¼, fitted to 56 simulated scans of bare
-/// vines, 12 of them with wood of 0.78 of the posts' brightness. Nothing where fewer than 200 beams fell wholly on
-/// posts and trunks.
+/// which is in the mean when canes are in no echo: exp(−4/x³), at least ¼. A fit to 54 simulated scans of bare vines,
+/// 12 of them with wood of 0.78 of the posts' brightness, has 4.9; 4 was chosen in view of a second simulator's vines.
+/// Nothing where fewer than 200 beams fell wholly on posts and trunks.
 std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest);
 
 }  // namespace rayfield::density

@@ -21,11 +21,11 @@ TEST(WoodEchoes, PostsAreFull) {
   EXPECT_FALSE(wood_echoes(posts(1000), 500, 0));
 }
 
-// exp(−4.87/x³), x the mean over the weakest.
+// exp(−4.0/x³), x the mean over the weakest.
 TEST(WoodEchoes, TheWeakerTheyAreTheMoreIsMissing) {
   const auto returned = [](double mean) { return wood_echoes(posts(1000), mean, 100)->returned_share; };
-  EXPECT_NEAR(returned(200), std::exp(-4.87 / 8), 1e-9);
-  EXPECT_NEAR(returned(300), std::exp(-4.87 / 27), 1e-9);
+  EXPECT_NEAR(returned(200), std::exp(-4.0 / 8), 1e-9);
+  EXPECT_NEAR(returned(300), std::exp(-4.0 / 27), 1e-9);
   EXPECT_GT(returned(1000), 0.99);
   EXPECT_EQ(returned(90), 0.25);  // a mean below the weakest cannot be
 }
