@@ -14,8 +14,8 @@ struct WoodEchoes {
 };
 
 /// Relative standard error of thin wood by it: 34 % on the scans that it was fitted to, 27 % by lidars with several
-/// beams, which had no part in it (docs/beams.md, "Bare vines").
-inline constexpr double kWoodEchoesError = 0.3;
+/// beams, which had no part in it (docs/beams.md, "How well").
+inline constexpr double kWoodEchoesError = 0.35;
 
 /// A cane across the middle of the beam takes 4·d/(π·D) of it (d its diameter, D the beam's), and less beside. All of
 /// that is in echoes where it is large beside the detection share, and nothing where it is not; how large it is shows
