@@ -204,7 +204,6 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
   }
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
-  if (!sends_one_beam(statistics)) model.silent_share = statistics.silent().share();
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
   return model;
@@ -215,7 +214,7 @@ std::optional<EchoModel> model_of_wood(const EchoStatistics& statistics, const E
   const auto wood = wood_echoes(statistics, sum_of(statistics.all()).mean(), weakest);
   if (!wood) return std::nullopt;
   model.full_echo = known.full_echo > 0 ? known.full_echo : wood->full_echo;
-  model.full_echo_error = kWoodEchoesError;
+  model.full_echo_error = wood->error;
   model.detection_share = known.beam.detection_share.value_or(std::min(1.0, weakest / model.full_echo));
   model.wood_returned = wood->returned_share;
   model.leaf_size_from = known.leaf_size_m2 >= 0 ? LeafSizeFrom::options : LeafSizeFrom::pairs;

@@ -20,8 +20,6 @@ constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // beam, since what is left of it has to be stronger: times how far t is below half. A later echo takes the place of one
 // between t and 1 − t, and is the likelier the lower t: times the square of that.
 constexpr double kBeforeStronger = 1.1, kBeforeLast = 11, kHalfOfBeam = 0.5;
-// Where beams that are used up without an echo are seen: times their share of those through rows, and the rest of it.
-constexpr double kSilent = 1.25, kBesideSilent = 0.92;
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
 constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
@@ -112,10 +110,8 @@ class ReturnedOfRow {
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
-    double missing =
-        kUnreturnedAcross * unreturned + kLostOfWood * of_wood + kCutByEdges * widths * (1 - kAddedUp * together);
-    if (model_.silent_share) missing = kBesideSilent * missing + kSilent * *model_.silent_share;
-    missing += in_other_echoes(widths, row.thickness);
+    const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
+                           kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 
