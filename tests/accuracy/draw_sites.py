@@ -9,10 +9,9 @@ leaves, detection share, range resolution, angle dependence and scatter of echoe
 2-D scanners with beams of 8 mm + 2.5 mrad to 13.6 mm + 11.9 mrad. `several`: VLP-16-, Ouster-, Livox- and XT32-like
 lidars in turn, reporting the first or the strongest echo; their clouds hold the downward beams without a return, as
 `rayfield slam` keeps them. With --thin the same sites and seeds with beams without a width: what is wrong there is not
-the beams'. With --all-rays clouds of one beam hold them, too; with --returns all
-lidars report that echo. With --season each site has
-three rows and three dates for seasons.py, bare, with half of its leaves and with
-all, driven in other orders and with the receiver off by another vector on each. The same SEED draws the same sites.
+the beams'. With --all-rays clouds of one beam hold them, too; with --returns all lidars report that echo. With
+--season each site has three rows and three dates for seasons.py, bare, with half of its leaves and with all, driven in
+other orders and with the receiver off by another vector on each. The same SEED draws the same sites.
 """
 import argparse
 import os
