@@ -90,6 +90,26 @@ TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) 
   }
 }
 
+// Where it is seen how many beams are used up without an echo, that counts, and of what is told otherwise 0.85.
+TEST(VoxelSums, BeamsThatAreUsedUpWithoutAnEchoAreMissing) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  for (const double used_up : {0.0, 0.12}) {
+    EchoModel model = model_of(0.1);
+    model.used_up_share = used_up;
+    const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+    EXPECT_EQ(s.hits, all.hits);
+    EXPECT_NEAR(s.path / std::pow(through(0.1, across(s)), 0.85) / std::exp(-3.0 * used_up), all.path, 0.02);
+  }
+}
+
+// Of bare vines nothing else counts.
+TEST(VoxelSums, OfBareWoodAShareIsInEchoes) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  EchoModel model = model_of(0.1);
+  model.used_up_share = 0.2, model.wood_returned = 0.6;
+  EXPECT_NEAR(sums_of(voxel_with(0.5, 0.04), model).path, 0.6 * all.path, 0.01);
+}
+
 // Edges cut beams the more the wider these are beside a leaf, and less where leaves of one range resolution add up.
 TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
   const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
