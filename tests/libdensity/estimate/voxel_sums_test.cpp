@@ -90,16 +90,26 @@ TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) 
   }
 }
 
-// Where it is seen how many beams are used up without an echo, that counts, and of what is told otherwise 0.85.
-TEST(VoxelSums, BeamsThatAreUsedUpWithoutAnEchoAreMissing) {
+// Where it is seen what is used up without an echo, that counts, and of what is told otherwise 0.85.
+TEST(VoxelSums, WhatIsUsedUpWithoutAnEchoIsMissing) {
   const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
   for (const double used_up : {0.0, 0.12}) {
-    EchoModel model = model_of(0.1);
-    model.used_up_share = used_up;
+    EchoModel model = model_of(0);
+    model.used_up_share = used_up, model.leaf_size_m2 = kSide * kSide;  // half of which the beam is wide
     const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+    const double together = across(s) * kResolution / kVoxel, cut = 0.10 * 0.5 * (1 - 1.5 * together);
     EXPECT_EQ(s.hits, all.hits);
-    EXPECT_NEAR(s.path / std::pow(through(0.1, across(s)), 0.85) / std::exp(-3.0 * used_up), all.path, 0.02);
+    EXPECT_NEAR(s.path, all.path * std::exp(-0.85 * cut - 3.0 * used_up), 0.02);
   }
+}
+
+// Leaves that are large beside the beam leave no small pieces: what is used up there is wood's.
+TEST(VoxelSums, WhatLargeLeavesUseUpIsInEchoes) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  EchoModel model = model_of(0.1);
+  model.used_up_share = 0.12;
+  const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+  EXPECT_NEAR(s.path / std::pow(through(0.1, across(s)), 0.85), all.path, 0.02);
 }
 
 // Of bare vines nothing else counts.
