@@ -10,7 +10,6 @@ Result<BlockSeasons> BlockSeasons::read(const tile::Store& store, const tile::Sn
                                         const std::map<std::string, ScanTotals>& processed, bool by_estimate) {
   BlockSeasons seasons;
   seasons.by_estimate_ = by_estimate;
-  std::optional<double> latitude_deg;
   for (const tile::ScanEntry& scan : snapshot.scans) {
     std::optional<ScanTotals> totals;
     if (const auto now = processed.find(scan.scan_id); now != processed.end()) {
@@ -18,13 +17,13 @@ Result<BlockSeasons> BlockSeasons::read(const tile::Store& store, const tile::Sn
     } else {
       RAYFIELD_ASSIGN(totals, read_totals(store, scan));
     }
-    if (!latitude_deg) latitude_deg = latitude_of(scan, store.config().crs);
+    if (!seasons.latitude_deg_) seasons.latitude_deg_ = latitude_of(scan, store.config().crs);
     seasons.entries_.push_back(&scan);
     seasons.scans_.push_back(
         {scan.scan_id, scan.date, scan.dormant, totals ? totals->plant_area_per_m() : std::nullopt});
     seasons.totals_.push_back(totals);
   }
-  seasons.verdicts_ = find_dormant_scans(seasons.scans_, latitude_deg);
+  seasons.verdicts_ = find_dormant_scans(seasons.scans_, seasons.latitude_deg_);
   return seasons;
 }
 
@@ -42,6 +41,14 @@ std::optional<WoodScan> BlockSeasons::wood_for(const std::string& scan_id, const
   WoodScan out{*entries_[*wood], voxels};
   if (totals_[*wood] && totals_[*wood]->holds_downward_misses) out.voxels.sure_return_m = 0;
   return out;
+}
+
+std::optional<BarestScan> BlockSeasons::barest_for(const std::string& scan_id) const {
+  const auto scan = index_of(scan_id);
+  if (!scan || wood_scan_of(*scan, scans_, verdicts_)) return std::nullopt;
+  const auto barest = barest_scan_of(*scan, scans_, latitude_deg_);
+  if (!barest || !totals_[*barest] || totals_[*barest]->thin_plants.empty()) return std::nullopt;
+  return BarestScan{scans_[*barest].scan_id, totals_[*barest]->thin_plants};
 }
 
 std::string BlockSeasons::verdict_on(const std::string& scan_id) const {
@@ -63,7 +70,7 @@ Result<bool> BlockSeasons::is_outdated(const tile::Store& store, const tile::Sca
   if (wood)
     due = {wood->scan.scan_id, content_of(wood->scan)};
   else if (by_estimate_)
-    due.content = kWoodByEstimate;
+    due.content = estimate_content(barest_for(scan.scan_id));
   return processed && used != due;
 }
 

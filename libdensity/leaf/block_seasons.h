@@ -22,6 +22,8 @@ class BlockSeasons {
 
   /// The dormant scan whose wood is to be subtracted from that of `scan_id`; nothing where the block has none.
   std::optional<WoodScan> wood_for(const std::string& scan_id, const VoxelOptions& voxels) const;
+  /// Without one: the scan of the season that shows the least plants, less than this one; nothing where there is none.
+  std::optional<BarestScan> barest_for(const std::string& scan_id) const;
   /// Why the scan counts as dormant or, in the leafless months, does not; empty where nobody would ask.
   std::string verdict_on(const std::string& scan_id) const;
   /// True where the leaf areas that the snapshot holds for a processed scan were made with another wood than they would
@@ -35,6 +37,7 @@ class BlockSeasons {
   std::vector<ScanSeason> scans_;
   std::vector<std::optional<ScanTotals>> totals_;
   std::vector<DormantVerdict> verdicts_;
+  std::optional<double> latitude_deg_;
   bool by_estimate_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "rayfield/core/date.h"
 #include "rayfield/core/map_frame.h"
@@ -12,9 +13,10 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kTropics_deg = 20;      // nearer to the equator vines may bear leaves all the year
-constexpr double kFullLeafShare = 0.5;   // of the plant area at full leaf that wood has at most
-constexpr double kGrowingShare = 0.95;   // of the plant area while leaves grow or fall
+constexpr double kTropics_deg = 20;     // nearer to the equator vines may bear leaves all the year
+constexpr double kFullLeafShare = 0.5;  // of the plant area at full leaf that wood has at most
+constexpr double kGrowingShare = 0.95;  // of the plant area while leaves grow or fall
+constexpr long kHalfAYear_days = 182;
 constexpr double kMostWoodPerMetre = 2;  // m²; unpruned vines show 0.3 to 1 in winter, evergreen orchards 2 to 10
 
 // Of a scan of the store, whose dates are checked when it is added.
@@ -30,6 +32,19 @@ int southern_month_day(const std::string& date, double latitude_deg) {
   const unsigned month = static_cast<unsigned>(day.month());
   const unsigned southern = latitude_deg < 0 ? month : (month + 5) % 12 + 1;
   return static_cast<int>(100 * southern + static_cast<unsigned>(day.day()));
+}
+
+// From the middle of one winter to that of the next.
+int growing_season(const std::string& date, double latitude_deg) {
+  const std::chrono::year_month_day day = calendar_day(date);
+  const unsigned first_month = latitude_deg < 0 ? 8 : 2;
+  return static_cast<int>(day.year()) + (static_cast<unsigned>(day.month()) >= first_month ? 1 : 0);
+}
+
+bool in_one_season(const std::string& a, const std::string& b, std::optional<double> latitude_deg) {
+  if (!latitude_deg || !(std::abs(*latitude_deg) > kTropics_deg))
+    return std::labs(days_between(a, b)) <= kHalfAYear_days;
+  return growing_season(a, *latitude_deg) == growing_season(b, *latitude_deg);
 }
 
 // December to February in the south: canopies are as large as they get.
@@ -96,6 +111,18 @@ std::optional<std::size_t> wood_scan_of(std::size_t scan, std::span<const ScanSe
     nearest = i, least = days;
   }
   return nearest;
+}
+
+std::optional<std::size_t> barest_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
+                                          std::optional<double> latitude_deg) {
+  std::optional<std::size_t> barest;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (!scans[i].plant_area_per_m || !in_one_season(scans[scan].date, scans[i].date, latitude_deg)) continue;
+    if (!barest || std::pair(*scans[i].plant_area_per_m, scans[i].date) <
+                       std::pair(*scans[*barest].plant_area_per_m, scans[*barest].date))
+      barest = i;
+  }
+  return barest == scan ? std::nullopt : barest;
 }
 
 std::optional<double> latitude_of(const tile::ScanEntry& scan, const std::string& crs) {

@@ -96,13 +96,13 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
 }
 
 Result<LeafMaps> take_out_of_rows(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
-                                  const ScanResults& results) {
+                                  const PanelPlants& barest, const ScanResults& results) {
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, work.memory.tiles_bytes));
   const auto leaves_of = [&](const Row& row, std::span<const Panel> panels,
                              std::span<PanelValue> values) -> Result<RowDensity> {
     RAYFIELD_ASSIGN(RowDensity of_plant,
                     plant.density(row.number, voxels.row_segments, voxels.wood, work.options.estimator, voxels.echoes));
-    return take_out_wood(std::move(of_plant), panels, work.options.wood, values);
+    return take_out_wood(std::move(of_plant), panels, barest, work.options.wood, values);
   };
   return make_leaf_maps(work, rows_of(layout, plant), layout, voxels, results, leaves_of);
 }
@@ -221,14 +221,24 @@ Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, cons
   });
 }
 
-Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels) {
+std::string estimate_content(const std::optional<BarestScan>& barest) {
+  if (!barest) return kWoodByEstimate;
+  KeyBuilder key("barest scan", 1);
+  for (const auto& [uid, seen] : barest->plants) key.add(uid).add(std::vector<double>{seen.area_m2, seen.high_m2});
+  return std::string(kWoodByEstimate) + ", at most " + barest->scan_id + " " + key.hex();
+}
+
+Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                                               const std::optional<BarestScan>& barest) {
+  const std::string content = estimate_content(barest);
   KeyBuilder key("leaf by estimate", kLeafByEstimateVersion);
-  key.add(option_numbers(work.options.wood));
+  key.add(option_numbers(work.options.wood)).add(content);
   add_plants(work, voxels, key);
   RAYFIELD_ASSIGN(const ScanResults results, read_results(work, layout));
   return keep_leaves(work, layout, key.hex(), [&]() -> Result<LeafMaps> {
-    RAYFIELD_ASSIGN(LeafMaps maps, take_out_of_rows(work, layout, voxels, results));
-    maps.values.wood_content = kWoodByEstimate;
+    RAYFIELD_ASSIGN(LeafMaps maps,
+                    take_out_of_rows(work, layout, voxels, barest ? barest->plants : PanelPlants(), results));
+    maps.values.wood_content = content;
     return maps;
   });
 }

@@ -7,6 +7,7 @@
 
 #include "libdensity/echoes/echo_model.h"
 #include "libdensity/layout/row_layout.h"
+#include "libdensity/leaf/scan_totals.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/leaf_angle_fit.h"
 #include "libdensity/voxels/row_segments.h"
@@ -32,6 +33,12 @@ struct WoodScan {
   VoxelOptions voxels;  ///< which of its rays are counted
 };
 
+/// The scan of a season that shows the least plants, and with that the most wood that there can be.
+struct BarestScan {
+  std::string scan_id;
+  PanelPlants plants;
+};
+
 /// Names the rays of a scan.
 std::string content_of(const tile::ScanEntry& scan);
 
@@ -53,8 +60,12 @@ struct LeafReport {
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood);
 
-/// The same where no dormant scan shows the wood: what is believed of it takes its place (wood_estimate.h).
-Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels);
+/// The same where no dormant scan shows the wood: what is believed of it takes its place (wood_estimate.h), which is no
+/// more than `barest` shows.
+Result<LeafReport> separate_leaves_by_estimate(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
+                                               const std::optional<BarestScan>& barest);
+/// LeafValues::wood_content of such leaf areas.
+std::string estimate_content(const std::optional<BarestScan>& barest);
 
 /// Those that are in the scan's files already.
 Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout);

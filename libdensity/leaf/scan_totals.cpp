@@ -1,17 +1,50 @@
 #include "libdensity/leaf/scan_totals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
 
 #include "libdensity/scan/stage_versions.h"
 
 namespace rayfield::density {
 namespace {
 
+using nlohmann::json;
+
 constexpr const char* kKind = "totals";
+constexpr const char* kPanels = "thin_plants";  // attribute: uids of the panels of the columns
+constexpr const char* kAreas = "thin_plant_area_m2";
+constexpr const char* kHighs = "thin_plant_high_m2";
+
+void put_thin_plants(const PanelPlants& plants, tile::ArraySet& arrays) {
+  std::vector<std::string> uids;
+  std::vector<double> areas, highs;
+  for (const auto& [uid, seen] : plants)
+    uids.push_back(uid), areas.push_back(seen.area_m2), highs.push_back(seen.high_m2);
+  arrays.attributes = json{{kPanels, uids}}.dump();
+  arrays.columns[kAreas] = std::move(areas), arrays.columns[kHighs] = std::move(highs);
+}
+
+Result<PanelPlants> thin_plants_of(const tile::ArraySet& arrays) {
+  PanelPlants plants;
+  if (!arrays.columns.contains(kAreas)) return plants;  // of an earlier version
+  RAYFIELD_ASSIGN(const auto areas, arrays.column<double>(kAreas));
+  RAYFIELD_ASSIGN(const auto highs, arrays.column<double>(kHighs));
+  const json attributes = json::parse(arrays.attributes, nullptr, /*allow_exceptions=*/false);
+  const json uids = attributes.is_object() ? attributes.value(kPanels, json::array()) : json::array();
+  const auto is_text = [](const json& uid) { return uid.is_string(); };
+  if (uids.size() != areas.size() || areas.size() != highs.size() || !std::all_of(uids.begin(), uids.end(), is_text))
+    return fail(ErrorCode::damaged, "cannot read derived data", kKind, "its panels have not one value each",
+                "run `rayfield verify`");
+  for (std::size_t i = 0; i < areas.size(); ++i) plants[uids[i].get<std::string>()] = {areas[i], highs[i]};
+  return plants;
+}
 
 tile::ArraySet to_arrays(const ScanTotals& totals) {
-  tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
+  tile::ArraySet arrays{.kind = kKind};
+  put_thin_plants(totals.thin_plants, arrays);
   arrays.columns["plant_area_m2"] = std::vector<double>{totals.plant_area_m2};
   arrays.columns["panel_length_m"] = std::vector<double>{totals.panel_length_m};
   arrays.columns["panels"] = std::vector<std::int32_t>{totals.panels};
@@ -31,6 +64,7 @@ Result<ScanTotals> from_arrays(const tile::ArraySet& arrays) {
                 "run `rayfield verify`");
   ScanTotals totals;
   totals.plant_area_m2 = area[0], totals.panel_length_m = length[0], totals.holds_downward_misses = misses[0] != 0;
+  RAYFIELD_ASSIGN(totals.thin_plants, thin_plants_of(arrays));
   const auto panels = arrays.column<std::int32_t>("panels"), seen = arrays.column<std::int32_t>("panels_with_value");
   const auto observed = arrays.column<double>("observed_fraction");
   // Of an earlier version: what another scan wants to know is there.
@@ -59,6 +93,8 @@ Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const Sca
     double observed = 0;
     for (const PanelValue& value : results.panel_values) {
       if (std::isfinite(value.observed_fraction)) observed += value.observed_fraction;
+      if (std::isfinite(value.leaf_area_m2))
+        totals.thin_plants[value.panel_uid] = {value.leaf_area_m2, value.ci_high_m2};
       if (!std::isfinite(value.plant_area_m2)) continue;
       ++totals.panels_with_value;
       totals.plant_area_m2 += value.plant_area_m2, totals.panel_length_m += lengths[value.panel_uid];

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "libdensity/layout/row_layout.h"
 #include "libdensity/scan/scan_work.h"
@@ -8,12 +10,20 @@
 
 namespace rayfield::density {
 
+/// Of a panel without its masked posts and trunks, as the scan's own rays show it.
+struct ThinPlants {
+  double area_m2 = 0, high_m2 = 0;  ///< leaves and thin wood, and the upper end of their interval
+  bool operator==(const ThinPlants&) const = default;
+};
+using PanelPlants = std::map<std::string, ThinPlants>;  ///< by panel uid; of panels that have a value
+
 /// What other scans of the block want to know of a scan, small enough to be read for all of them (kind "totals").
 struct ScanTotals {
   double plant_area_m2 = 0, panel_length_m = 0;  ///< of the panels that have a value
   int panels = 0, panels_with_value = 0;         ///< of the layout, and those of them that were seen well enough
   double observed_fraction = 0;                  ///< share of voxels that two rays crossed, mean over all panels
   bool holds_downward_misses = false;            ///< see ground/survey.h
+  PanelPlants thin_plants = {};                  ///< empty: of a version that did not keep them
   /// Nothing where no panel has a value.
   std::optional<double> plant_area_per_m() const;
 };

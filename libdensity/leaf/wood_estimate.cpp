@@ -46,12 +46,21 @@ double side_of(const PanelValue& value, const Panel& panel) {
   return (panel.end_m - panel.start_m) * (value.canopy_height_m - value.descriptors.canopy_base_m);
 }
 
+// What the barest scan shows of a panel, per area of its side.
+std::optional<ThinPlants> seen_per_side(const PanelPlants& barest, const std::string& panel_uid, double side) {
+  const auto seen = barest.find(panel_uid);
+  if (seen == barest.end()) return std::nullopt;
+  return ThinPlants{seen->second.area_m2 / side, seen->second.high_m2 / side};
+}
+
 // Of the area without masked wood. Nothing: the panel has no value.
-std::optional<ThinWood> wood_of_panel(const PanelValue& value, const Panel& panel, const WoodPriorOptions& options) {
+std::optional<ThinWood> wood_of_panel(const PanelValue& value, const Panel& panel, const PanelPlants& barest,
+                                      const WoodPriorOptions& options) {
   if (!std::isfinite(value.leaf_area_m2)) return std::nullopt;
   const double side = side_of(value, panel);
   if (!(value.leaf_area_m2 > 0) || !(side > 0)) return ThinWood{};
-  const ThinWood wood = believe_wood(value.leaf_area_m2 / side, options);
+  const ThinWood wood =
+      believe_wood(value.leaf_area_m2 / side, seen_per_side(barest, panel.identity.uid, side), options);
   return ThinWood{side * wood.mean, side * wood.most};
 }
 
@@ -82,19 +91,23 @@ std::vector<double> wood_shares(std::span<const PanelValue> values, std::span<co
 
 }  // namespace
 
-ThinWood believe_wood(double plant_per_side, const WoodPriorOptions& options) {
+ThinWood believe_wood(double plant_per_side, const std::optional<ThinPlants>& barest, const WoodPriorOptions& options) {
+  const double least = barest ? std::min(plant_per_side, barest->area_m2) : plant_per_side;
+  const double most = barest ? std::min(plant_per_side, barest->high_m2) : plant_per_side;
   if (!(plant_per_side > 0)) return {};
-  const std::vector<Believed> points = belief(plant_per_side, options);
+  if (!(least > 0)) return {0, std::max(0.0, most)};
+  const std::vector<Believed> points = belief(least, options);
   double sum = 0, moment = 0;
   for (const Believed& point : points) sum += point.weight, moment += point.weight * point.wood;
-  if (!(sum > 0)) return {plant_per_side, plant_per_side};  // far less than vines have: all of it can be wood
-  return {moment / sum, std::min(plant_per_side, options.per_side * std::pow(options.spread, kNormal95))};
+  if (!(sum > 0)) return {least, most};  // far less than vines have: all of it can be wood
+  const double thickest = options.per_side * std::pow(options.spread, kNormal95);
+  return {moment / sum, std::max(moment / sum, std::min(most, thickest))};
 }
 
-RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const WoodPriorOptions& options,
-                         std::span<PanelValue> values) {
+RowDensity take_out_wood(RowDensity plant, std::span<const Panel> panels, const PanelPlants& barest,
+                         const WoodPriorOptions& options, std::span<PanelValue> values) {
   std::vector<std::optional<ThinWood>> woods;
-  for (std::size_t k = 0; k < panels.size(); ++k) woods.push_back(wood_of_panel(values[k], panels[k], options));
+  for (std::size_t k = 0; k < panels.size(); ++k) woods.push_back(wood_of_panel(values[k], panels[k], barest, options));
   const std::vector<double> shares = wood_shares(values, woods);
   const std::vector<RowSpan> spans = panel_spans(panels);
   for (int a = 0; a < plant.n_along; ++a) {

@@ -137,18 +137,21 @@ void report_leaves(const LeafReport& leaves, ScanReport& report) {
 }
 
 // Where no dormant scan shows the wood.
-Result<void> process_leaves_by_estimate(ScanInWork& scan) {
+Result<void> process_leaves_by_estimate(ScanInWork& scan, const std::optional<BarestScan>& barest) {
   ScanReport& report = scan.report;
   if (!scan.work.options.wood.enabled) {
     report.notes.emplace_back(kWoodInLeafArea);
     return {};
   }
-  RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
-                                               ? read_leaves(scan.work, scan.layout)
-                                               : separate_leaves_by_estimate(scan.work, scan.layout, scan.voxels));
+  RAYFIELD_ASSIGN(const LeafReport leaves,
+                  scan.as_it_was ? read_leaves(scan.work, scan.layout)
+                                 : separate_leaves_by_estimate(scan.work, scan.layout, scan.voxels, barest));
   report_leaves(leaves, report);
   report.wood_from = kWoodFromEstimate;
   report.notes.emplace_back(kWoodIsEstimated);
+  if (barest)
+    report.notes.push_back(
+        fmt::format("wood is taken to be no more than what {} shows, the barest scan of the season", barest->scan_id));
   if (report.leaf_area_m2 && leaves.low_m2 <= 0)
     report.notes.emplace_back(
         "what is seen may be wood alone; if the vines bore no leaves, say so: `rayfield add … --dormant yes`");
@@ -175,7 +178,7 @@ Result<void> process_leaves(ScanInWork& scan, const BlockSeasons& seasons) {
   const std::string verdict = seasons.verdict_on(scan_id);
   if (!verdict.empty()) notes.push_back(scan_id + " " + verdict);
   const auto wood = seasons.wood_for(scan_id, voxels_for_wood(scan));
-  if (!wood) return process_leaves_by_estimate(scan);
+  if (!wood) return process_leaves_by_estimate(scan, seasons.barest_for(scan_id));
   RAYFIELD_ASSIGN(const LeafReport leaves, scan.as_it_was
                                                ? read_leaves(scan.work, scan.layout)
                                                : separate_leaves(scan.work, scan.layout, scan.voxels, *wood));

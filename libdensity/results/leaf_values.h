@@ -14,7 +14,7 @@ namespace rayfield::density {
 /// that another dormant scan changes nothing else.
 struct LeafValues {
   std::string wood_scan_id;        ///< whose wood was subtracted; the scan itself: it is dormant; empty: by estimate
-  std::string wood_content;        ///< names that scan's rays, or kWoodByEstimate
+  std::string wood_content;        ///< names that scan's rays, or begins with kWoodByEstimate
   std::vector<PanelValue> panels;  ///< those of the results, with leaf areas and their errors in place
   std::vector<RowMetreProduct> metres;  ///< those of the results, with leaf areas and descriptors of leaves in place
   std::vector<double> profile;          ///< leaf_area_m2 of the results' bands, in their order

@@ -19,9 +19,9 @@ inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
 inline constexpr int kResultsVersion = 22;
 inline constexpr int kEstimationVersion = 1;
-inline constexpr int kTotalsVersion = 3;
+inline constexpr int kTotalsVersion = 4;
 inline constexpr int kLeafVersion = 13;
-inline constexpr int kLeafByEstimateVersion = 9;
+inline constexpr int kLeafByEstimateVersion = 10;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,

@@ -117,5 +117,30 @@ TEST(Latitude, IsThatOfTheMiddleOfTheScan) {
   EXPECT_EQ(latitude_of(entry, "EPSG:4326"), std::nullopt);
 }
 
+TEST(BarestScan, ShowsTheLeastOfTheScansOfOneSeason) {
+  const std::vector<ScanSeason> scans = {scan("2019-03-01", 0.3), scan("2019-10-01", 0.7), scan("2019-12-01", 2.4),
+                                         scan("2020-07-31", 0.9), scan("2020-08-01", 0.2)};
+  EXPECT_EQ(barest_scan_of(2, scans, kSouth), 1) << "winter stands between it and what shows less";
+  EXPECT_EQ(barest_scan_of(3, scans, kSouth), 1);
+  EXPECT_EQ(barest_scan_of(1, scans, kSouth), std::nullopt) << "itself";
+  EXPECT_EQ(barest_scan_of(4, scans, kSouth), std::nullopt) << "alone in its season";
+  EXPECT_EQ(barest_scan_of(2, scans, kNorth), 0) << "February 2019 to January 2020";
+}
+
+TEST(BarestScan, IsOfTheHalfYearAroundWhereThereIsNoWinter) {
+  const std::vector<ScanSeason> scans = {scan("2019-12-31", 0.2), scan("2020-01-10", 0.5), scan("2020-07-10", 2.0)};
+  for (const std::optional<double> latitude : {std::optional<double>(8), std::optional<double>()}) {
+    EXPECT_EQ(barest_scan_of(2, scans, latitude), 1);
+    EXPECT_EQ(barest_scan_of(1, scans, latitude), 0);
+  }
+}
+
+TEST(BarestScan, IsTheEarlierOfEqualsAndNeverOneThatWasNotProcessed) {
+  const std::vector<ScanSeason> scans = {scan("2019-12-01", 0.7), scan("2019-11-01", 0.7), scan("2019-10-01", {}),
+                                         scan("2020-02-01", 2.0)};
+  EXPECT_EQ(barest_scan_of(3, scans, kSouth), 1);
+  EXPECT_EQ(barest_scan_of(1, scans, kSouth), std::nullopt);
+}
+
 }  // namespace
 }  // namespace rayfield::density

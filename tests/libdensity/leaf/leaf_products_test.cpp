@@ -91,6 +91,33 @@ TEST(LeafProducts, OfABareScanThatIsTakenForALeafyOneReachDownToNone) {
   }
 }
 
+TEST(LeafProducts, WithoutADormantScanAreFreedOfNoMoreThanTheBarestScanOfTheSeasonShows) {
+  Block block;
+  const testing::Drive& leafy = drive_with(kHalf, kFirst);
+  block.add("2019-11-20", leafy);
+  block.process();
+  const ScanResults alone = block.results("2019-11-20");
+  block.add("2019-10-05", drive_with(0, kSecond));
+  EXPECT_THAT(block.process({"2019-10-05"}).outdated_leaf_areas, ElementsAre("2019-11-20"));
+  const ProcessReport report = block.process();
+  EXPECT_THAT(report.scans[1].notes, Contains(HasSubstr("no more than what 2019-10-05 shows")));
+  EXPECT_THAT(report.scans[0].notes, Not(Contains(HasSubstr("barest")))) << "it is the barest itself";
+  expect_truth_held(block, "2019-11-20", leafy);
+  const ScanResults with = block.results("2019-11-20"), barest = block.results("2019-10-05");
+  for (std::size_t i = 0; i < with.panel_values.size(); ++i) {
+    EXPECT_EQ(with.panel_values[i].plant_area_m2, alone.panel_values[i].plant_area_m2);
+    EXPECT_LE(with.panel_values[i].plant_area_m2 - with.panel_values[i].leaf_area_m2,
+              barest.panel_values[i].plant_area_m2);
+    EXPECT_GT(with.panel_values[i].ci_low_m2, alone.panel_values[i].ci_low_m2);
+  }
+  const double error = std::abs(leaf_area(with) - leafy.leaf_area_m2);
+  EXPECT_LT(error, std::abs(leaf_area(alone) - leafy.leaf_area_m2));
+  EXPECT_LT(error, 0.06 * leafy.leaf_area_m2);
+  const ProcessReport again = block.process();
+  EXPECT_EQ(again.scans[0].files_made + again.scans[1].files_made, 0U);
+  EXPECT_THAT(again.outdated_leaf_areas, IsEmpty());
+}
+
 TEST(LeafProducts, OfABareScanAloneInWinterAreZero) {
   Block block;
   block.add("2019-08-01", drive_with(0, kSecond));

@@ -28,7 +28,7 @@ double mean_by_even_steps(double plants, double per_side, double spread) {
 
 TEST(WoodEstimate, UnderDenseLeavesIsWhatVineyardsHaveInGeneral) {
   // Of a log-normal distribution: mean m·exp(½·ln²s), 97.5 % quantile m·s^1.96.
-  const ThinWood wood = believe_wood(1e4, {.per_side = 0.18, .spread = 1.8});
+  const ThinWood wood = believe_wood(1e4, {}, {.per_side = 0.18, .spread = 1.8});
   EXPECT_NEAR(wood.mean, 0.18 * std::exp(0.5 * std::pow(std::log(1.8), 2)), 1e-3 * wood.mean);
   EXPECT_NEAR(wood.most, 0.18 * std::pow(1.8, 1.959964), 1e-6);
 }
@@ -36,32 +36,47 @@ TEST(WoodEstimate, UnderDenseLeavesIsWhatVineyardsHaveInGeneral) {
 TEST(WoodEstimate, OfWhatIsSeenFollowsItsFormula) {
   for (const double plants : {0.02, 0.1, 0.2, 0.5, 1.5, 4.0}) {
     const double expected = mean_by_even_steps(plants, 0.2, 2);
-    EXPECT_NEAR(believe_wood(plants, {.per_side = 0.2, .spread = 2}).mean, expected, 2e-3 * expected) << plants;
+    EXPECT_NEAR(believe_wood(plants, {}, {.per_side = 0.2, .spread = 2}).mean, expected, 2e-3 * expected) << plants;
   }
 }
 
 TEST(WoodEstimate, MayBeAllThatIsSeenUpToWhatTheThickestVinesHave) {
   const double thickest = 0.2 * std::pow(2.0, 1.959964);
   const WoodPriorOptions options{.per_side = 0.2, .spread = 2};
-  EXPECT_EQ(believe_wood(0.99 * thickest, options).most, 0.99 * thickest);
-  EXPECT_NEAR(believe_wood(1.5 * thickest, options).most, thickest, 1e-6);
+  EXPECT_EQ(believe_wood(0.99 * thickest, {}, options).most, 0.99 * thickest);
+  EXPECT_NEAR(believe_wood(1.5 * thickest, {}, options).most, thickest, 1e-6);
 }
 
 TEST(WoodEstimate, IsNeverMoreThanThePlantsAndLeavesGrowWithThem) {
   double before = 0;
   for (double plants = 1e-6; plants < 100; plants *= 1.3) {
-    const ThinWood wood = believe_wood(plants, {});
+    const ThinWood wood = believe_wood(plants, {}, {});
     EXPECT_GT(plants - wood.mean, before) << plants;
     EXPECT_GT(wood.most, wood.mean);
     EXPECT_LE(wood.most, plants);
     before = plants - wood.mean;
   }
-  EXPECT_EQ(believe_wood(0, {}).most, 0);
+  EXPECT_EQ(believe_wood(0, {}, {}).most, 0);
+}
+
+TEST(WoodEstimate, IsNoMoreThanTheBarestScanShows) {
+  const WoodPriorOptions options{.per_side = 0.2, .spread = 2};
+  const double thickest = 0.2 * std::pow(2.0, 1.959964);
+  const ThinWood wood = believe_wood(4, ThinPlants{0.15, 0.25}, options);
+  EXPECT_NEAR(wood.mean, mean_by_even_steps(0.15, 0.2, 2), 2e-3 * wood.mean) << "as if that were all there is";
+  EXPECT_EQ(wood.most, 0.25) << "it may have shown too little";
+  EXPECT_NEAR(believe_wood(4, ThinPlants{1, 3}, options).most, thickest, 1e-6);
+  const ThinWood alone = believe_wood(0.3, {}, options), thinner = believe_wood(0.3, ThinPlants{0.5, 0.7}, options);
+  EXPECT_EQ(thinner.mean, alone.mean) << "this panel shows less";
+  EXPECT_EQ(thinner.most, alone.most);
+  const ThinWood none = believe_wood(4, ThinPlants{0, 0.1}, options);
+  EXPECT_EQ(none.mean, 0);
+  EXPECT_EQ(none.most, 0.1);
 }
 
 TEST(WoodEstimate, ScalesWithTheUnitOfArea) {
-  const ThinWood wood = believe_wood(0.6, {.per_side = 0.2, .spread = 1.7});
-  const ThinWood tenfold = believe_wood(6, {.per_side = 2, .spread = 1.7});
+  const ThinWood wood = believe_wood(0.6, {}, {.per_side = 0.2, .spread = 1.7});
+  const ThinWood tenfold = believe_wood(6, {}, {.per_side = 2, .spread = 1.7});
   EXPECT_NEAR(tenfold.mean, 10 * wood.mean, 1e-9);
   EXPECT_NEAR(tenfold.most, 10 * wood.most, 1e-9);
 }
@@ -72,14 +87,15 @@ struct TakenOut {
 };
 
 /// Of a row of random densities with two panels.
-TakenOut take_out(bool second_has_value = true) {
+TakenOut take_out(bool second_has_value = true, const PanelPlants& barest = {}) {
   const RowDensity plant = testing::random_row(7);
   const double end_m = plant.n_along * plant.voxel_m;
-  const std::vector<Panel> panels = {{1, 1, 0, 0.4 * end_m}, {1, 2, 0.4 * end_m, end_m}};
+  std::vector<Panel> panels = {{1, 1, 0, 0.4 * end_m}, {1, 2, 0.4 * end_m, end_m}};
+  panels[0].identity.uid = "first", panels[1].identity.uid = "second";
   std::vector<PanelValue> values = integrate_panels(plant, panels, 2.5, {});
   if (!second_has_value) values[1].leaf_area_m2 = std::numeric_limits<double>::quiet_NaN();
   TakenOut out{values, values, {}};
-  out.leaf = take_out_wood(plant, panels, {}, out.after);
+  out.leaf = take_out_wood(plant, panels, barest, {}, out.after);
   return out;
 }
 
@@ -102,6 +118,17 @@ TEST(WoodEstimate, IsTakenOutOfVoxelsAndPanelsAlike) {
     EXPECT_LT(leaves.ci_low_m2, leaves.leaf_area_m2 - half) << "and more than is expected";
     EXPECT_LT(leaves.se_leaf_area_m2, plants.se_leaf_area_m2);
   }
+}
+
+TEST(WoodEstimate, OfEachPanelIsBoundByWhatTheBarestScanShowsOfIt) {
+  const TakenOut without = take_out();
+
+  const double little = 0.01 * without.before[1].leaf_area_m2;
+  const TakenOut with = take_out(true, {{"second", {little, 1.2 * little}}});
+  EXPECT_EQ(with.after[0].leaf_area_m2, without.after[0].leaf_area_m2) << "not shown by it";
+  EXPECT_GT(with.after[1].leaf_area_m2, 0.99 * with.before[1].leaf_area_m2);
+  EXPECT_GT(with.after[1].ci_low_m2, without.after[1].ci_low_m2);
+  EXPECT_GT(area_of(with.leaf), area_of(without.leaf));
 }
 
 TEST(WoodEstimate, APanelWithoutAValueKeepsNone) {
