@@ -192,12 +192,6 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
   model.full_echo_error = std::hypot(model.full_echo_error, kWoodInFullEcho / leafiness_of(statistics));
 }
 
-/// Of lidars with several beams at a time: clouds of one beam lack steep rays without a return.
-std::optional<double> used_up_share(const EchoStatistics& statistics, double weakest) {
-  if (sends_one_beam(statistics)) return std::nullopt;
-  return statistics.silent().used_up(weakest);
-}
-
 EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
   model.leaves_per_resolution = known.range_resolution_m * ends_per_metre_behind(statistics.pairs_from(0));
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
@@ -210,7 +204,6 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
   }
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
-  model.used_up_share = used_up_share(statistics, detected);
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
   return model;
@@ -218,8 +211,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
 
 std::optional<EchoModel> model_of_wood(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
   const double weakest = quantile(statistics.histogram(), kWeakestShare) / kWeakest;
-  model.used_up_share = used_up_share(statistics, weakest);
-  const auto wood = wood_echoes(statistics, sum_of(statistics.all()).mean(), weakest, model.used_up_share.value_or(0));
+  const auto wood = wood_echoes(statistics, sum_of(statistics.all()).mean(), weakest);
   if (!wood) return std::nullopt;
   model.full_echo = known.full_echo > 0 ? known.full_echo : wood->full_echo;
   model.full_echo_error = wood->error;

@@ -29,9 +29,6 @@ struct EchoModel {
   /// Of what leaves take of the beams: the share in pieces below the detection share, which are in no echo.
   double lost_share = 0;
   double unreturned_share = 0;  ///< and the share of it whose beams return nothing (unreturned_per_lost())
-  /// Of what beams through rows send, the share that is used up without an echo (SilentBeams::used_up()), where it is
-  /// seen; of lidars with several beams at a time (clouds of one beam lack steep ones).
-  std::optional<double> used_up_share;
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
   double lacking_share = 0;  ///< of full echoes, which the full echo has been made up for

@@ -38,8 +38,7 @@ std::vector<double> fields_of(const EchoModel& m) {
           number_of(m.beam.returns),
           m.resolution_assumed ? 1.0 : 0.0,
           m.leaves_per_resolution,
-          m.wood_returned.value_or(0),
-          m.used_up_share.value_or(-1)};
+          m.wood_returned.value_or(0)};
 }
 
 }  // namespace
@@ -60,8 +59,7 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   // A number that is not used any more came with version 3, the lost share with 4, what goes with the cosine with 6,
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
   // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
-  // echo together with 18, what echoes hold of bare wood with 19, what is used
-  // up without an echo with 20.
+  // echo together with 18, what echoes hold of bare wood with 19.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -87,10 +85,6 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (const double returned = f.size() > kOldest + 10 ? f[kOldest + 10] : 0; returned != 0) {
     if (!(returned > 0 && returned <= 1)) return damaged(arrays, "echoes of wood cannot hold that much");
     m.wood_returned = returned;
-  }
-  if (const double used_up = f.size() > kOldest + 11 ? f[kOldest + 11] : -1; used_up != -1) {
-    if (!(used_up >= 0 && used_up < 1)) return damaged(arrays, "beams cannot be used up by that much");
-    m.used_up_share = used_up;
   }
   if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");

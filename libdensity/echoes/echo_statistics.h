@@ -7,7 +7,6 @@
 
 #include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/leaf_size.h"
-#include "libdensity/echoes/silent_beams.h"
 
 namespace rayfield::density {
 
@@ -52,9 +51,6 @@ class EchoStatistics {
   AngleDependence ground_dependence() const;
   /// Echoes of beams that fell wholly on known posts and trunks.
   const Sum& wood() const { return wood_; }
-  /// Of scans that hold the downward beams which came back from nowhere.
-  SilentBeams& silent() { return silent_; }
-  const SilentBeams& silent() const { return silent_; }
   /// Of lidars with one beam most echoes have one, of lidars with several at a time few.
   std::uint64_t same_beam_beside() const { return same_beam_beside_; }
   /// [intensity]: number of echoes
@@ -70,7 +66,6 @@ class EchoStatistics {
   std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
   std::vector<FullEcho> full_;
   Sum wood_;
-  SilentBeams silent_;
   std::uint64_t same_beam_beside_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's

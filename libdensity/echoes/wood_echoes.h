@@ -22,9 +22,7 @@ struct WoodEchoes {
 /// in x, the mean strength of the echoes over `weakest`, the intensity where they begin. Vines have thick wood, too,
 /// which is in the mean when canes are in no echo: exp(−4/x³), at least ¼. A fit to 54 simulated scans of bare vines,
 /// 12 of them with wood of 0.78 of the posts' brightness, has 4.9; 4 was chosen in view of a second simulator's vines.
-/// `used_up_share`: EchoModel::used_up_share, 0 where it is not seen; times exp(−3·used_up_share).
 /// Nothing where fewer than 200 beams fell wholly on posts and trunks.
-std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest,
-                                      double used_up_share);
+std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest);
 
 }  // namespace rayfield::density

@@ -20,9 +20,6 @@ constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // beam, since what is left of it has to be stronger: times how far t is below half. A later echo takes the place of one
 // between t and 1 − t, and is the likelier the lower t: times the square of that.
 constexpr double kBeforeStronger = 1.1, kBeforeLast = 11, kHalfOfBeam = 0.5;
-// Where it is seen what is used up of beams without an echo: times its share of what goes through rows, and the rest.
-// Leaves that are large beside the beam leave no small pieces; what is used up there is wood's.
-constexpr double kUsedUp = 3.0, kBesideUsedUp = 0.85, kSmallLeaf = 0.25;
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
 constexpr double kThicknessReachM = 1.5;  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
@@ -113,11 +110,8 @@ class ReturnedOfRow {
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
-    double missing =
-        kUnreturnedAcross * unreturned + kLostOfWood * of_wood + kCutByEdges * widths * (1 - kAddedUp * together);
-    if (model_.used_up_share)
-      missing = kBesideUsedUp * missing + kUsedUp * std::min(1.0, widths / kSmallLeaf) * *model_.used_up_share;
-    missing += in_other_echoes(widths, row.thickness);
+    const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
+                           kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 

@@ -165,8 +165,6 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);
   if (model->leaf_size_from == LeafSizeFrom::nothing) note += " (not measured: neighbouring beams are too far apart)";
-  if (model->used_up_share)
-    note += fmt::format(", {:.1f} % of what goes through rows used up without an echo", 100 * *model->used_up_share);
   if (model->resolution_assumed)
     note += fmt::format(
         "; how far apart its echoes are told is not known and no ground tells, so {:.0f} cm are assumed "

@@ -13,14 +13,14 @@ inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
 inline constexpr int kSpotsVersion = 1;
-inline constexpr int kEchoesVersion = 20;
+inline constexpr int kEchoesVersion = 21;
 inline constexpr int kLeafAnglesVersion = 5;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 22;
+inline constexpr int kResultsVersion = 23;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 13;
+inline constexpr int kLeafVersion = 14;
 inline constexpr int kLeafByEstimateVersion = 10;
 
 inline std::vector<double> stage_versions() {

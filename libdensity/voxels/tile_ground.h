@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "libdensity/layout/row_layout.h"
@@ -24,13 +23,6 @@ struct TileGround {
   /// Of a unit direction to the normal, without sign.
   double cosine_to(const Eigen::Vector3d& d) const {
     return std::abs(slope.dot(d.head<2>()) - d.z()) / std::sqrt(1 + slope.squaredNorm());
-  }
-
-  /// How far a ray that goes on from p in the unit direction d has to the ground, m; infinite where it does not go down
-  /// to it.
-  double distance_along(const Eigen::Vector3d& p, const Eigen::Vector3d& d) const {
-    const double descent = slope.dot(d.head<2>()) - d.z();
-    return descent > 0 && height_of(p) > 0 ? height_of(p) / descent : std::numeric_limits<double>::infinity();
   }
 
   /// Whether a ray that goes on from p in the unit direction d is sure to come back: it goes up (and is kept without a

@@ -39,7 +39,6 @@ struct VoxelAccumulator::Geometry {
   VoxelOptions options;
   LeafProjectionTable projection{LeafAngles{}};
   tile::TileIndex tile;
-  Eigen::AlignedBox2d bounds;  ///< of the tile, in plan
   std::vector<GridFrame> frames;
   std::vector<RowSegmentVoxels> empty;
   std::vector<WoodCylinder> wood;
@@ -63,7 +62,6 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   geometry->options = options;
   geometry->projection = LeafProjectionTable(options.leaf_angles);
   geometry->tile = tile.index;
-  geometry->bounds = {tile.corner(), Eigen::Vector2d(tile.corner().array() + tile.size_m)};
   geometry->view = std::move(view);
   std::vector<RowSegment> kept;
   double voxel_m = 0;
@@ -138,8 +136,6 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
         }
         if (ray.length > 0) counted = meet(ray, mask);
         if (statistics != nullptr) add_echo(ray, counted);
-        if (statistics != nullptr && geometry_->options.sure_return_m == 0)
-          add_downward({p, d, length, hit, ray.starts, ray.range_m, ray.intensity}, mask);
       }
       const bool may_pair = counts_pairs_ && !left_out && !counted.on_wood;
       const auto beside = may_pair ? neighbours.on_leaf_beside(d, segments.time_s[i]) : std::nullopt;
@@ -156,42 +152,6 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
     }
     if (counts_pairs_) neighbours.add(i, d, segments.time_s[i], counted.hit);
   }
-}
-
-void VoxelAccumulator::add_downward(const Ray& ray, std::vector<std::uint64_t>& mask) {
-  constexpr double kFarthestM = 14, kBeyondM = 0.3;  // to the ground, and on, so that it is sure to be passed
-  constexpr double kThroughM = 0.35;                 // of a row
-  const Geometry& g = *geometry_;
-  const double to_ground_m = ray.starts ? g.ground.distance_along(ray.origin, ray.direction) : kFarthestM;
-  if (to_ground_m >= kFarthestM || (!ray.hit && ray.length < to_ground_m + kBeyondM)) return;
-  if (!g.bounds.contains(Eigen::Vector2d((ray.origin + to_ground_m * ray.direction).head<2>()))) return;
-  candidates_.clear();
-  bool on_wood = false;
-  if (g.index.candidates(ray.origin, ray.direction, to_ground_m, mask.data()))
-    for (std::size_t w = mask.size(); w-- > 0;)
-      for (std::uint64_t bits = std::exchange(mask[w], 0); bits != 0; bits &= bits - 1) {
-        const std::size_t item = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-        Interval gap{};
-        if (item < sums_.size())
-          candidates_.push_back(item);
-        else
-          on_wood = on_wood || shell_interval(g.wood[item - sums_.size()], g.options.wood_shell_m, ray.origin,
-                                              ray.direction, gap.from, gap.to);
-      }
-  if (on_wood) return;
-  meet_grids(ray, to_ground_m);
-  double inside_m = 0;
-  for (const Met& met : met_) inside_m += met.to - met.from;
-  const bool open = met_.empty();
-  if (!open && inside_m < kThroughM) return;
-  using Outcome = SilentBeams::Outcome;
-  Outcome outcome = Outcome::nothing;
-  if (ray.hit) {
-    const bool at_ground = ray.length > to_ground_m || g.ground.is_near(ray.origin + ray.length * ray.direction);
-    outcome = at_ground ? Outcome::ground : Outcome::row;
-  }
-  if (!open || outcome != Outcome::row)
-    statistics_->silent().add(g.ground.cosine_to(ray.direction), !open, outcome, ray.intensity);
 }
 
 void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted) {

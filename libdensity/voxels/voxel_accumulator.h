@@ -88,8 +88,6 @@ class VoxelAccumulator {
   /// As count(), into the counters of directions. Of beams that are not thin only what they meet in their first 1.5 m
   /// inside grids: deeper in they have lost more (docs/beams.md), level ones more than steep ones.
   void count_directions(const Ray& ray, std::span<const RayPiece> pieces, bool on_wood);
-  /// Into EchoStatistics::silent(), of a scan that holds the downward rays which came back from nowhere. `ray`: whole.
-  void add_downward(const Ray& ray, std::vector<std::uint64_t>& mask);
   /// Into statistics_ and leaf_echoes_.
   void add_echo(const Ray& ray, const Counted& counted);
   /// Passes every ray that is not left out to `meet(ray, mask)`, and what it returns on neighbouring beams to pairs_

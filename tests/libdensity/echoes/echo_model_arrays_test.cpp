@@ -42,7 +42,6 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
   EXPECT_EQ(a.wood_returned, b.wood_returned);
-  EXPECT_EQ(a.used_up_share, b.used_up_share);
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
@@ -65,7 +64,7 @@ TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers[numbers.size() - 5] = none;
+      numbers[numbers.size() - 4] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
@@ -84,18 +83,6 @@ TEST(EchoModelArrays, GiveBackWhatEchoesHoldOfBareWood) {
   }
 }
 
-TEST(EchoModelArrays, GiveBackHowManyBeamsAreUsedUp) {
-  EchoModel model = model_of(0.044);
-  for (const double used_up : {0.0, 0.3}) {
-    model.used_up_share = used_up;
-    expect_same(**echo_model_from_arrays(arrays_from_echo_model(model)), model);
-  }
-  for (const double cannot_be : {-0.5, 1.0}) {
-    model.used_up_share = cannot_be;
-    EXPECT_FALSE(echo_model_from_arrays(arrays_from_echo_model(model))) << cannot_be;
-  }
-}
-
 TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
   const auto read = echo_model_from_arrays(arrays_from_echo_model(std::nullopt));
   ASSERT_TRUE(read);
@@ -105,13 +92,9 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
   whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
-  whole.wood_returned = 0.8, whole.used_up_share = 0.1;
+  whole.wood_returned = 0.8;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
-  numbers.pop_back();
-  arrays.columns["model"] = numbers;
-  whole.used_up_share.reset();
-  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   whole.wood_returned.reset();

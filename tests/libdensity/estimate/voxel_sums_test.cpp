@@ -90,36 +90,6 @@ TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) 
   }
 }
 
-// Where it is seen what is used up without an echo, that counts, and of what is told otherwise 0.85.
-TEST(VoxelSums, WhatIsUsedUpWithoutAnEchoIsMissing) {
-  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
-  for (const double used_up : {0.0, 0.12}) {
-    EchoModel model = model_of(0);
-    model.used_up_share = used_up, model.leaf_size_m2 = kSide * kSide;  // half of which the beam is wide
-    const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
-    const double together = across(s) * kResolution / kVoxel, cut = 0.10 * 0.5 * (1 - 1.5 * together);
-    EXPECT_EQ(s.hits, all.hits);
-    EXPECT_NEAR(s.path, all.path * std::exp(-0.85 * cut - 3.0 * used_up), 0.02);
-  }
-}
-
-// Leaves that are large beside the beam leave no small pieces: what is used up there is wood's.
-TEST(VoxelSums, WhatLargeLeavesUseUpIsInEchoes) {
-  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
-  EchoModel model = model_of(0.1);
-  model.used_up_share = 0.12;
-  const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
-  EXPECT_NEAR(s.path / std::pow(through(0.1, across(s)), 0.85), all.path, 0.02);
-}
-
-// Of bare vines nothing else counts.
-TEST(VoxelSums, OfBareWoodAShareIsInEchoes) {
-  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
-  EchoModel model = model_of(0.1);
-  model.used_up_share = 0.2, model.wood_returned = 0.6;
-  EXPECT_NEAR(sums_of(voxel_with(0.5, 0.04), model).path, 0.6 * all.path, 0.01);
-}
-
 // Edges cut beams the more the wider these are beside a leaf, and less where leaves of one range resolution add up.
 TEST(VoxelSums, WideBeamsMissWhatEdgesCut) {
   const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
