@@ -22,7 +22,7 @@ class BlockSeasons {
 
   /// The dormant scan whose wood is to be subtracted from that of `scan_id`; nothing where the block has none.
   std::optional<WoodScan> wood_for(const std::string& scan_id, const VoxelOptions& voxels) const;
-  /// Without one: the scan of the season that shows the least plants, less than this one; nothing where there is none.
+  /// Without one: the scan of the season that shows the least plants, clearly less than this one, if there is one.
   std::optional<BarestScan> barest_for(const std::string& scan_id) const;
   /// Why the scan counts as dormant or, in the leafless months, does not; empty where nobody would ask.
   std::string verdict_on(const std::string& scan_id) const;

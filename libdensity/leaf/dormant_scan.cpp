@@ -17,6 +17,7 @@ constexpr double kTropics_deg = 20;     // nearer to the equator vines may bear 
 constexpr double kFullLeafShare = 0.5;  // of the plant area at full leaf that wood has at most
 constexpr double kGrowingShare = 0.95;  // of the plant area while leaves grow or fall
 constexpr long kHalfAYear_days = 182;
+constexpr double kClearlyBarer = 0.75;   // of the plant area of another scan of the season
 constexpr double kMostWoodPerMetre = 2;  // m²; unpruned vines show 0.3 to 1 in winter, evergreen orchards 2 to 10
 
 // Of a scan of the store, whose dates are checked when it is added.
@@ -116,13 +117,16 @@ std::optional<std::size_t> wood_scan_of(std::size_t scan, std::span<const ScanSe
 std::optional<std::size_t> barest_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
                                           std::optional<double> latitude_deg) {
   std::optional<std::size_t> barest;
+  if (!scans[scan].plant_area_per_m) return barest;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (!scans[i].plant_area_per_m || !in_one_season(scans[scan].date, scans[i].date, latitude_deg)) continue;
+    if (i == scan || !scans[i].plant_area_per_m) continue;
+    if (*scans[i].plant_area_per_m > kClearlyBarer * *scans[scan].plant_area_per_m) continue;
+    if (!in_one_season(scans[scan].date, scans[i].date, latitude_deg)) continue;
     if (!barest || std::pair(*scans[i].plant_area_per_m, scans[i].date) <
                        std::pair(*scans[*barest].plant_area_per_m, scans[*barest].date))
       barest = i;
   }
-  return barest == scan ? std::nullopt : barest;
+  return barest;
 }
 
 std::optional<double> latitude_of(const tile::ScanEntry& scan, const std::string& crs) {

@@ -40,10 +40,11 @@ std::vector<DormantVerdict> find_dormant_scans(std::span<const ScanSeason> scans
 std::optional<std::size_t> wood_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
                                         std::span<const DormantVerdict> verdicts);
 
-/// The scan that shows the least plants per metre of those of one growing season with scans[scan]: wood is no more than
-/// what it shows. Seasons go from the middle of one winter to that of the next, since vines are pruned in between;
-/// within 20° of the equator, or where the latitude is unknown, half a year before and after. Nothing: scans[scan]
-/// itself, or none has been processed; of equals the earlier.
+/// The scan that shows the least plants per metre of those of one growing season with scans[scan], if that is at most ¾
+/// of what scans[scan] shows: wood is no more than that, and scans of equal leaves do not change each other's. Seasons
+/// go from the middle of one winter to that of the next, since vines are pruned in between; within 20° of the equator,
+/// or where the latitude is unknown, half a year before and after. Of equals the earlier; only such as have been
+/// processed. Nothing: none is that much barer.
 std::optional<std::size_t> barest_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
                                           std::optional<double> latitude_deg);
 

@@ -119,12 +119,21 @@ TEST(Latitude, IsThatOfTheMiddleOfTheScan) {
 
 TEST(BarestScan, ShowsTheLeastOfTheScansOfOneSeason) {
   const std::vector<ScanSeason> scans = {scan("2019-03-01", 0.3), scan("2019-10-01", 0.7), scan("2019-12-01", 2.4),
-                                         scan("2020-07-31", 0.9), scan("2020-08-01", 0.2)};
+                                         scan("2020-07-31", 1.2), scan("2020-08-01", 0.2)};
   EXPECT_EQ(barest_scan_of(2, scans, kSouth), 1) << "winter stands between it and what shows less";
   EXPECT_EQ(barest_scan_of(3, scans, kSouth), 1);
-  EXPECT_EQ(barest_scan_of(1, scans, kSouth), std::nullopt) << "itself";
+  EXPECT_EQ(barest_scan_of(1, scans, kSouth), std::nullopt) << "it is the barest";
   EXPECT_EQ(barest_scan_of(4, scans, kSouth), std::nullopt) << "alone in its season";
   EXPECT_EQ(barest_scan_of(2, scans, kNorth), 0) << "February 2019 to January 2020";
+}
+
+TEST(BarestScan, ShowsClearlyLess) {
+  const auto barest_of_second = [](double first) {
+    return barest_scan_of(1, std::vector{scan("2019-12-01", first), scan("2020-01-01", 2.0)}, kSouth);
+  };
+  EXPECT_EQ(barest_of_second(1.49), 0);
+  EXPECT_EQ(barest_scan_of(0, std::vector{scan("2019-12-01", 0.0)}, kSouth), std::nullopt) << "itself";
+  EXPECT_EQ(barest_of_second(1.51), std::nullopt) << "another drive past equal leaves must not change what is known";
 }
 
 TEST(BarestScan, IsOfTheHalfYearAroundWhereThereIsNoWinter) {
