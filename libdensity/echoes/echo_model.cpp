@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libdensity/echoes/full_echoes.h"
+#include "libdensity/echoes/leaf_normals.h"
 #include "libdensity/echoes/unreturned_beams.h"
 #include "libdensity/echoes/wood_echoes.h"
 
@@ -203,6 +204,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     if (known.full_echo > 0) break;
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
   }
+  model.leaf_normals = fit_leaf_normals(statistics.full());
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));

@@ -38,6 +38,8 @@ struct EchoModel {
   bool lacks_downward_misses = false;
   /// Whether the range resolution is a typical one, though it could have been measured had there been ground to see.
   bool resolution_assumed = false;
+  /// What the normals of full echoes tell of how leaves are turned (fit_leaf_normals()).
+  std::optional<LnRatio> leaf_normals;
   /// Of a scan of bare vines: WoodEchoes::returned_share, in place of all that is said of leaves.
   std::optional<double> wood_returned;
 };

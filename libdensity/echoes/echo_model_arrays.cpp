@@ -38,7 +38,9 @@ std::vector<double> fields_of(const EchoModel& m) {
           number_of(m.beam.returns),
           m.resolution_assumed ? 1.0 : 0.0,
           m.leaves_per_resolution,
-          m.wood_returned.value_or(0)};
+          m.wood_returned.value_or(0),
+          m.leaf_normals ? m.leaf_normals->value : 0,
+          m.leaf_normals ? m.leaf_normals->error : 0};
 }
 
 }  // namespace
@@ -59,7 +61,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   // A number that is not used any more came with version 3, the lost share with 4, what goes with the cosine with 6,
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
   // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
-  // echo together with 18, what echoes hold of bare wood with 19.
+  // echo together with 18, what echoes hold of bare wood with 19, how leaves are
+  // turned with 22 (an error of 0: not told).
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -85,6 +88,11 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (const double returned = f.size() > kOldest + 10 ? f[kOldest + 10] : 0; returned != 0) {
     if (!(returned > 0 && returned <= 1)) return damaged(arrays, "echoes of wood cannot hold that much");
     m.wood_returned = returned;
+  }
+  if (f.size() > kOldest + 12 && f[kOldest + 12] != 0) {
+    m.leaf_normals = LnRatio{f[kOldest + 11], f[kOldest + 12]};
+    if (!(m.leaf_normals->error > 0) || std::abs(m.leaf_normals->value) > 3)
+      return damaged(arrays, "leaves cannot be turned like that");
   }
   if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");

@@ -132,12 +132,25 @@ float cosine_of(const Eigen::Vector3d& plane) {
   return static_cast<float>(1 / std::sqrt(1 + plane.head<2>().squaredNorm()));
 }
 
+/// Against the beam; axes as those of PlaneFit.
+Eigen::Vector3d normal_of(const Eigen::Vector3d& plane) {
+  return Eigen::Vector3d(plane.x(), plane.y(), -1).normalized();
+}
+
 double off_plane(const Neighbour& n, const Eigen::Vector3d& plane) {
   return n.along - (plane.x() * n.x + plane.y() * n.y + plane.z());
 }
 
-/// Whether the neighbours make a full echo of the one amid them, and its cosines.
-bool is_full(std::span<const Neighbour> neighbours, FullEcho& out) {
+/// Of the normal of a plane through all, a half's being off by twice its variance.
+float normal_variance(std::span<const std::array<Eigen::Vector3d, 2>> halves) {
+  double squares = 0;
+  for (const auto& [one, other] : halves) squares += (normal_of(one) - normal_of(other)).squaredNorm();
+  return static_cast<float>(squares / (8 * static_cast<double>(halves.size())));
+}
+
+/// Whether the neighbours make a full echo of the one amid them, its cosines and its normal. `axes`: of the neighbours'
+/// coordinates, in columns.
+bool is_full(std::span<const Neighbour> neighbours, const Eigen::Matrix3d& axes, FullEcho& out) {
   PlaneFit first_guess;
   for (const Neighbour& n : neighbours)
     if (std::abs(n.along) < kStartM) first_guess.add(n);
@@ -164,8 +177,13 @@ bool is_full(std::span<const Neighbour> neighbours, FullEcho& out) {
   for (const auto& [one, other] : halves)
     if (std::min(one.count(), other.count()) + 1 < kLeastForPlane) return false;
   out.cosine = cosine_of(plane), out.spread_m = static_cast<float>(std::sqrt(squares / static_cast<double>(on_plane)));
-  for (std::size_t way = 0; way < halves.size(); ++way)
-    out.half_cosine[way] = {cosine_of(halves[way][0].solve()), cosine_of(halves[way][1].solve())};
+  std::array<std::array<Eigen::Vector3d, 2>, FullEcho::kWays> planes;
+  for (std::size_t way = 0; way < halves.size(); ++way) {
+    planes[way] = {halves[way][0].solve(), halves[way][1].solve()};
+    out.half_cosine[way] = {cosine_of(planes[way][0]), cosine_of(planes[way][1])};
+  }
+  out.ray_up = static_cast<float>(-axes(2, 2)), out.normal_up = static_cast<float>((axes * normal_of(plane)).z());
+  out.normal_variance = normal_variance(planes);
   return true;
 }
 
@@ -178,17 +196,6 @@ double quantile(std::vector<double> values, double share) {
 }
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
-
-/// Those among the flattest.
-std::vector<FullEcho> flattest(std::span<const FullEcho> echoes) {
-  std::vector<double> spreads;
-  for (const FullEcho& e : echoes) spreads.push_back(static_cast<double>(e.spread_m));
-  const double most_m = kSpreads * quantile(std::move(spreads), kFlattestShare);
-  std::vector<FullEcho> out;
-  std::copy_if(echoes.begin(), echoes.end(), std::back_inserter(out),
-               [most_m](const FullEcho& e) { return static_cast<double>(e.spread_m) <= most_m; });
-  return out;
-}
 
 /// Mean of values, those above `most` as if they were that, and its standard error.
 struct Level {
@@ -266,13 +273,25 @@ std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
     };
     columns.for_near(echo.position, half_sides(echo.direction, ring_m), visit);
     FullEcho full{echo.intensity};
-    if (is_full(neighbours, full)) out.push_back(full);
+    Eigen::Matrix3d axes;
+    axes << across.cast<double>(), third.cast<double>(), echo.direction.cast<double>();
+    if (is_full(neighbours, axes, full)) out.push_back(full);
   }
   return out;
 }
 
+std::vector<FullEcho> flattest_of(std::span<const FullEcho> echoes) {
+  std::vector<double> spreads;
+  for (const FullEcho& e : echoes) spreads.push_back(static_cast<double>(e.spread_m));
+  const double most_m = kSpreads * quantile(std::move(spreads), kFlattestShare);
+  std::vector<FullEcho> out;
+  std::copy_if(echoes.begin(), echoes.end(), std::back_inserter(out),
+               [most_m](const FullEcho& e) { return static_cast<double>(e.spread_m) <= most_m; });
+  return out;
+}
+
 FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDependence& prior) {
-  const std::vector<FullEcho> echoes = flattest(all);
+  const std::vector<FullEcho> echoes = flattest_of(all);
   FullEchoStrength out;
   out.count = echoes.size();
   if (echoes.empty()) return out;

@@ -30,6 +30,9 @@ struct FullEcho {
   float spread_m = 0;  ///< rms of the echoes around it from their plane
   float cosine = 1;
   std::array<std::array<float, 2>, kWays> half_cosine{};
+  float ray_up = 0;           ///< vertical part of the direction against the beam, a unit vector,
+  float normal_up = 0;        ///< and of the normal that looks at the lidar
+  float normal_variance = 0;  ///< of the normal, along either axis across it (rad²), from how the halves' differ
   bool operator==(const FullEcho&) const = default;
 };
 
@@ -37,6 +40,10 @@ struct FullEcho {
 /// about the same direction ended on one plane through it, and none inside ended elsewhere. In no order that depends on
 /// that of the echoes.
 std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all);
+
+/// Those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them do
+/// not reach), so that bundles of canes are left out.
+std::vector<FullEcho> flattest_of(std::span<const FullEcho> echoes);
 
 /// What full echoes tell.
 struct FullEchoStrength {
@@ -56,14 +63,12 @@ struct AngleDependence {
   double error = 0.35;  ///< standard error
 };
 
-/// Of those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them
-/// do not reach), so that bundles of canes are left out: their mean (of those brighter than two medians as if they were
-/// that), moved from their mean cosine to ⅔, that of rays that meet leaves of all orientations (hits go with the
-/// cosine). A mean, since some of each full echo is missing, and what scatters intensities, like speckle, moves a
-/// median then and no mean (docs/beams.md, "How it is taken out"). The slope on the way: difference of the medians of
-/// the full echoes on either side of the median of one half's cosine, over that of the means of the other half's (an
-/// instrument: errors of the angle do not make the slope flatter), of all ways to divide, weighted with `prior` by
-/// their errors.
+/// Of the flattest: their mean (of those brighter than two medians as if they were that), moved from their mean cosine
+/// to ⅔, that of rays that meet leaves of all orientations (hits go with the cosine). A mean, since some of each full
+/// echo is missing, and what scatters intensities, like speckle, moves a median then and no mean (docs/beams.md, "How
+/// it is taken out"). The slope on the way: difference of the medians of the full echoes on either side of the median
+/// of one half's cosine, over that of the means of the other half's (an instrument: errors of the angle do not make the
+/// slope flatter), of all ways to divide, weighted with `prior` by their errors.
 FullEchoStrength full_echo_strength(std::span<const FullEcho> echoes, const AngleDependence& prior);
 
 }  // namespace rayfield::density

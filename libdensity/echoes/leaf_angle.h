@@ -20,6 +20,12 @@ double leaf_projection(const LeafAngles& angles, double cos_zenith);
 /// leaves at any θ.
 double mean_incidence_cosine(const LeafAngles& angles, double cos_zenith);
 
+/// ln of the ratio of the axes of Campbell's ellipsoid, as measured; 0: leaves turned at random, more: flatter.
+struct LnRatio {
+  double value = 0, error = 0;  ///< standard error
+  double weight() const { return 1 / (error * error); }
+};
+
 /// How the rays of a scan meet leaves turned somehow, in the mean over their hits.
 struct LeafAspect {
   double mean_cosine = kSphericalMeanCosine;  ///< of the angle between rays and leaves' normals

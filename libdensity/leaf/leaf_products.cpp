@@ -1,6 +1,7 @@
 #include "libdensity/leaf/leaf_products.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -72,7 +73,7 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   const std::size_t bytes = work.memory.tiles_bytes / 2;
   RAYFIELD_ASSIGN(RowVoxels plant, RowVoxels::open(work, "", voxels.tiles, bytes));
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
-  const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
+  const IntegrationOptions integration = integration_of_scan(work, voxels);
   RAYFIELD_ASSIGN(const EstimatorOptions estimator, estimator_of(work, voxels, counted));
   const auto leaves_of = [&](const Row& row, std::span<const Panel> panels,
                              std::span<PanelValue> values) -> Result<RowDensity> {
@@ -112,7 +113,7 @@ void add_plants(const ScanWork& work, const ScanVoxels& voxels, KeyBuilder& key)
   key.add(work.layout_key).add(work.files.sha256("results", "block"));
   key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   key.add(option_numbers(work.options.estimator)).add(option_numbers(work.options.plan));
-  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
+  key.add(option_numbers(integration_of_scan(work, voxels)));
   if (voxels.echoes) key.add(model_numbers(voxels.echoes));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
 }
@@ -124,8 +125,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
   key.add(option_numbers(work.options.voxel_fit));
-  key.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)))
-      .add(option_numbers(work.options.plan));
+  key.add(option_numbers(integration_of_scan(work, voxels))).add(option_numbers(work.options.plan));
   if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
   key.add(std::vector<double>(voxels.rows_from_one_side.begin(), voxels.rows_from_one_side.end()));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
@@ -183,6 +183,12 @@ Result<LeafReport> keep_leaves(ScanWork& work, const RowLayout& layout, const st
 }
 
 }  // namespace
+
+IntegrationOptions integration_of_scan(const ScanWork& work, const ScanVoxels& voxels) {
+  IntegrationOptions options = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
+  options.shared_error = std::min(1.0, std::hypot(options.shared_error, voxels.leaf_angles.area_error()));
+  return options;
+}
 
 std::string content_of(const tile::ScanEntry& scan) {
   KeyBuilder content("rays", 1);

@@ -27,6 +27,10 @@ struct ScanVoxels {
   std::vector<int> rows_from_one_side = {};  ///< Row::number (scan_sides.h)
 };
 
+/// The options of integration with what all panels of the scan are off by alike: what the width of its beam and the
+/// angles of its leaves leave open.
+IntegrationOptions integration_of_scan(const ScanWork& work, const ScanVoxels& voxels);
+
 /// The dormant scan whose wood is subtracted.
 struct WoodScan {
   const tile::ScanEntry& scan;

@@ -101,7 +101,7 @@ Result<void> integrate_rows(ScanWork& work, const RowLayout& layout, const ScanV
   for (const Row& row : layout.rows)
     if (counters.has_row(row.number)) rows.push_back(&row);
   work.progress.stage(fmt::format("{}: density", work.scan.scan_id), layout.rows.size(), "rows");
-  const IntegrationOptions integration = integration_with_beam(work.options.integration, work.scan, voxels.echoes);
+  const IntegrationOptions integration = integration_of_scan(work, voxels);
   const DescriptorSettings settings = descriptor_settings(work.options, work.voxels.leaf_angles);
   maps.results.scan.fruit_zone_low_m = settings.options.fruit_zone_low_m;
   maps.results.scan.fruit_zone_high_m = settings.options.fruit_zone_high_m;
@@ -168,7 +168,7 @@ Result<ScanResults> integrate_scan(ScanWork& work, const RowLayout& layout, cons
                                    const ScanVoxels& voxels) {
   KeyBuilder builder("results", kResultsVersion);
   builder.add(option_numbers(work.options.estimator));
-  builder.add(option_numbers(integration_with_beam(work.options.integration, work.scan, voxels.echoes)));
+  builder.add(option_numbers(integration_of_scan(work, voxels)));
   builder.add(option_numbers(work.options.descriptors)).add(option_numbers(work.voxels.leaf_angles));
   if (voxels.echoes) builder.add(model_numbers(voxels.echoes));
   builder.add(std::vector<double>(voxels.rows_from_one_side.begin(), voxels.rows_from_one_side.end()));

@@ -23,6 +23,7 @@ constexpr const char* kColumn = "fit";
 constexpr std::size_t kMostTiles = 8, kMostSegments = 16;
 constexpr std::uint64_t kEnoughRays = 5000000;  // of more, only each n-th part of a tile is read
 constexpr std::size_t kMostVoxels = 400000;
+constexpr double kNoteworthyError = 0.05;  // of areas
 constexpr double kCoarser = 1.5, kCoarsestM = 0.3;
 
 /// Tiles in which leaf angles are measured, and the row segments.
@@ -125,7 +126,7 @@ Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelA
 }
 
 Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<const WoodCylinder> wood,
-                                const std::shared_ptr<const BeamView>& view) {
+                                const std::shared_ptr<const BeamView>& view, const std::optional<LnRatio>& normals) {
   Likelihoods sums;
   const DirectionLikelihood nothing(view ? std::optional(view->full_echo) : std::nullopt);
   work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), sample.tiles.size(), "tiles");
@@ -135,16 +136,18 @@ Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<
                                  }));
   std::vector<DirectionLikelihood> parts;
   for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
-  return fit_leaf_angles(parts, work.options.voxels.leaf_angles);
+  return fit_leaf_angles(parts, work.options.voxels.leaf_angles, normals);
 }
 
-std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view) {
+std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view,
+                   const std::optional<LnRatio>& normals) {
   KeyBuilder key(kKind, kLeafAnglesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels)).add(work.options.voxel_fit.sample_m);
   if (view) {
     add_beam(key, view->beam);
     key.add(view->full_echo).add(view->behind_m).add(view->followed_m);
   }
+  if (normals) key.add(normals->value).add(normals->error);
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
@@ -153,17 +156,22 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
 
 Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
-  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7)
+  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7 && f.size() != 10)
     return damaged(arrays, "the fit has another number of values");
   if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
   LeafAngleFit fit{f[0], f[1], f[2] != 0};
-  // Before version 2 taken for that of spherical leaves; the others came with version 4, the leverage with 5.
+  // Before version 2 taken for that of spherical leaves; the others came with version 4, the leverage with 5, normals
+  // with 6.
   if (f.size() > 3) fit.aspect.mean_cosine = f[3];
   if (f.size() > 4) fit.aspect.apparent_side = f[4], fit.spherical_looks = f[5];
   if (f.size() > 6) fit.leverage = f[6];
+  fit.wide_beams = f.size() > 7 ? f[7] != 0 : fit.spherical_looks == kSphericalLooksWide;
+  if (f.size() > 9 && f[9] != 0) fit.normals = LnRatio{f[8], f[9]};
   if (!(fit.aspect.mean_cosine > 0 && fit.aspect.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
   if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3) || !(fit.leverage >= 0))
     return damaged(arrays, "the leaves' aspect cannot be");
+  if (fit.normals && (std::abs(fit.normals->value) > 3 || !(fit.normals->error > 0)))
+    return damaged(arrays, "leaves cannot be turned like that");
   return fit;
 }
 
@@ -182,16 +190,24 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     copy->full_echo = echoes->full_echo;
     with_echo = copy;
   }
+  const std::optional<LnRatio> normals = shows_leaves ? echoes->leaf_normals : std::nullopt;
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const Sample sample, make_sample(work, layout, ground, profile));
-    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo));
+    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo, normals));
     tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
-    arrays.columns[kColumn] = std::vector<double>{
-        fit.ln_ratio,        fit.error,   fit.measured ? 1.0 : 0.0, fit.aspect.mean_cosine, fit.aspect.apparent_side,
-        fit.spherical_looks, fit.leverage};
+    arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio,
+                                                  fit.error,
+                                                  fit.measured ? 1.0 : 0.0,
+                                                  fit.aspect.mean_cosine,
+                                                  fit.aspect.apparent_side,
+                                                  fit.spherical_looks,
+                                                  fit.leverage,
+                                                  fit.wide_beams ? 1.0 : 0.0,
+                                                  normals ? normals->value : 0,
+                                                  normals ? normals->error : 0};
     return arrays;
   };
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo), make));
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo, normals), make));
   return fit_from(arrays);
 }
 
@@ -206,11 +222,20 @@ Result<LeafAngleFit> read_leaf_angles(const tile::Store& store, const tile::Scan
 
 std::string leaf_angle_note(const tile::ScanEntry& scan, const LeafAngleFit& fit) {
   const LeafAngles angles = fit.angles();
-  if (angles.type == LeafAngleType::spherical) return {};
+  const double error = fit.area_error();
+  if (angles.type == LeafAngleType::spherical)
+    return error < kNoteworthyError ? std::string()
+                                    : fmt::format(
+                                          "the leaves of {} may lie flatter than leaves turned at random, which too "
+                                          "few echoes tell for sure: "
+                                          "they are taken to be turned at random, and areas may be {:.0f} % larger, "
+                                          "which is in the intervals",
+                                          scan.scan_id, 100 * std::expm1(error));
   return fmt::format(
       "the leaves of {} lie flatter than leaves turned at random: steep rays meet more of them than level ones, as "
-      "the faces of ellipsoids {:.1f} times as wide as high (± {:.0f} %), and areas are counted for such",
-      scan.scan_id, angles.ellipsoid_ratio, 100 * fit.error);
+      "the faces of ellipsoids {:.1f} times as wide as high (± {:.0f} %), and areas are counted for such, which leaves "
+      "± {:.0f} %, in the intervals",
+      scan.scan_id, angles.ellipsoid_ratio, 100 * fit.flatter()->error, 100 * error);
 }
 
 }  // namespace rayfield::density

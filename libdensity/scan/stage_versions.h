@@ -13,15 +13,15 @@ inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
 inline constexpr int kSpotsVersion = 1;
-inline constexpr int kEchoesVersion = 21;
-inline constexpr int kLeafAnglesVersion = 5;
+inline constexpr int kEchoesVersion = 22;
+inline constexpr int kLeafAnglesVersion = 6;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 23;
+inline constexpr int kResultsVersion = 24;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 14;
-inline constexpr int kLeafByEstimateVersion = 10;
+inline constexpr int kLeafVersion = 15;
+inline constexpr int kLeafByEstimateVersion = 11;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,

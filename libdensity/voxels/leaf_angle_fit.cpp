@@ -15,9 +15,14 @@ using ByRatio = Eigen::Array<double, DirectionLikelihood::kRatios, 1>;
 constexpr double kEnoughHits = 5000;
 constexpr std::size_t kEnoughParts = 4;
 constexpr double kLargestError = 0.3;
-// Above what leaves turned at random look like: up to the first, leaves are taken for spherical, from the second on the
-// ratio counts as it is found.
-constexpr double kSurelyFlatter = 0.3, kCountsWhole = 0.7;
+// Of ln of the ratio, beside sampling: by directions with the usual leverage, how far sites with spherical leaves
+// differ; by normals.
+constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.3, kNormalsError = 0.15;
+// In standard errors: up to the first, leaves are taken for spherical, from the second on the ratio counts as it is
+// found.
+constexpr double kSurelyFlatter = 2, kCountsWhole = 3;
+// Of ln of the area for each unit of ln ratio, of flat leaves before lidars that stand upright.
+constexpr double kAreaPerLnRatio = 0.45;
 
 double ln_ratio_of(int i) { return DirectionLikelihood::kFirstLnRatio + i * DirectionLikelihood::kLnRatioStep; }
 
@@ -134,12 +139,34 @@ std::optional<double> DirectionLikelihood::ln_ratio() const {
   return ln_ratio_of(best) + kLnRatioStep * vertex(ln[i - 1], ln[i], ln[i + 1]);
 }
 
+std::optional<LnRatio> LeafAngleFit::flatter() const {
+  std::optional<LnRatio> found;
+  if (normals) found = LnRatio{normals->value, std::hypot(normals->error, kNormalsError)};
+  if (!measured) return found;
+  const double unsure = std::max(1.0, kUsualLeverage / leverage);
+  const LnRatio directions{ln_ratio - spherical_looks,
+                           std::hypot(error, unsure * (wide_beams ? kDirectionsErrorWide : kDirectionsError))};
+  if (!found) return directions;
+  const double weights = found->weight() + directions.weight();
+  return LnRatio{(found->weight() * found->value + directions.weight() * directions.value) / weights,
+                 1 / std::sqrt(weights)};
+}
+
 LeafAngles LeafAngleFit::angles() const {
-  const double flatter = ln_ratio - spherical_looks, unsure = std::max(1.0, kUsualLeverage / leverage);
-  const double surely = unsure * kSurelyFlatter, whole = unsure * kCountsWhole;
-  if (!measured || !(flatter > surely)) return {LeafAngleType::spherical, 1};
-  const double share = std::min(1.0, (flatter - surely) / (whole - surely));
-  return {LeafAngleType::ellipsoidal, std::exp(share * flatter)};
+  const std::optional<LnRatio> found = flatter();
+  if (!found || !(found->value > kSurelyFlatter * found->error)) return {LeafAngleType::spherical, 1};
+  const double share = std::min(1.0, (found->value / found->error - kSurelyFlatter) / (kCountsWhole - kSurelyFlatter));
+  return {LeafAngleType::ellipsoidal, std::exp(share * found->value)};
+}
+
+double LeafAngleFit::area_error() const {
+  const std::optional<LnRatio> found = flatter();
+  if (!found) return 0;
+  const LeafAngles taken = angles();
+  const bool spherical = taken.type == LeafAngleType::spherical;
+  const double left_out = found->value - (spherical ? 0 : std::log(taken.ellipsoid_ratio));
+  if (spherical && found->value < found->error) return 0;  // leaves turned at random look like that
+  return kAreaPerLnRatio * std::hypot(left_out, spherical ? 0 : found->error);
 }
 
 namespace {
@@ -187,15 +214,19 @@ LeafAspect aspect_of(const LeafAngles& angles, const DirectionLikelihood& all) {
 
 }  // namespace
 
-LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const LeafAngles& angles) {
+LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const LeafAngles& angles,
+                             const std::optional<LnRatio>& normals) {
   std::vector<const DirectionLikelihood*> used;
   for (const DirectionLikelihood& part : parts)
     if (part.hits() > 0) used.push_back(&part);
   if (used.empty()) return {};
   DirectionLikelihood all = *used.front();
   for (std::size_t i = 1; i < used.size(); ++i) all += *used[i];
-  LeafAngleFit fit = angles.type == LeafAngleType::measured ? fit_ratio(used, all) : LeafAngleFit{};
-  fit.spherical_looks = all.of_wide_beams() ? kSphericalLooksWide : kSphericalLooks;
+  const bool measures = angles.type == LeafAngleType::measured;
+  LeafAngleFit fit = measures ? fit_ratio(used, all) : LeafAngleFit{};
+  if (measures) fit.normals = normals;
+  fit.wide_beams = all.of_wide_beams();
+  fit.spherical_looks = fit.wide_beams ? kSphericalLooksWide : kSphericalLooks;
   fit.leverage = leverage_of(all);
   const LeafAngles taken = angles.type == LeafAngleType::measured ? fit.angles() : angles;
   fit.aspect = aspect_of(taken, all);

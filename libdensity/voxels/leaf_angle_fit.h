@@ -54,21 +54,30 @@ inline constexpr double kSphericalLooks = 0.12, kSphericalLooksWide = -0.17;
 /// for each unit of ln ratio: 0.11 to 0.17 where a lidar sees steeply up and down, 0.04 to 0.07 where it sees 15° only.
 inline constexpr double kUsualLeverage = 0.11;
 
-/// What the hits of a scan say of its leaves' angles.
+/// What a scan says of its leaves' angles: the directions of its hits, and of wide beams the normals of full echoes.
 struct LeafAngleFit {
-  double ln_ratio = 0, error = 0;            ///< of Campbell's ellipsoid, and its standard error
+  double ln_ratio = 0, error = 0;            ///< by directions, as they look, and the error of sampling
   bool measured = false;                     ///< there are enough hits, and they agree
   double spherical_looks = kSphericalLooks;  ///< ln_ratio that leaves turned at random have in the mean
   LeafAspect aspect;                         ///< of the leaves that the hits met
   double leverage = kUsualLeverage;          ///< as said above
-  /// Leaves are taken for spherical unless they are clearly flatter. The less leverage, the flatter they have to look:
-  /// what apparent density differs by for other reasons, a few per cent, is a larger ratio then.
+  bool wide_beams = false;
+  std::optional<LnRatio> normals;
+
+  /// Directions and normals weighted by their errors; those of directions include what else apparent density differs
+  /// by, a few per cent, which is a larger ratio the less the leverage. Nothing where neither tells.
+  std::optional<LnRatio> flatter() const;
+  /// Leaves are taken for spherical unless they are clearly flatter.
   LeafAngles angles() const;
+  /// Relative standard error of areas from what is not known of the angles: where leaves are not taken for spherical,
+  /// and of what they look flatter than they are taken for.
+  double area_error() const;
 };
 
 /// From parts of a scan that are independent of each other; errors from how they differ (jackknife).
-/// `angles`: those that the options say; of `measured` the fit's own are taken for `aspect`.
+/// `angles`: those that the options say; of `measured` the fit's own are taken for `aspect`. `normals`: of full echoes.
 LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts,
-                             const LeafAngles& angles = {LeafAngleType::measured, 1});
+                             const LeafAngles& angles = {LeafAngleType::measured, 1},
+                             const std::optional<LnRatio>& normals = std::nullopt);
 
 }  // namespace rayfield::density

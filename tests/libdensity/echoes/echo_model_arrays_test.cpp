@@ -42,6 +42,9 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
   EXPECT_EQ(a.wood_returned, b.wood_returned);
+  ASSERT_EQ(a.leaf_normals.has_value(), b.leaf_normals.has_value());
+  if (a.leaf_normals) EXPECT_EQ(a.leaf_normals->value, b.leaf_normals->value);
+  if (a.leaf_normals) EXPECT_EQ(a.leaf_normals->error, b.leaf_normals->error);
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
@@ -64,7 +67,7 @@ TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers[numbers.size() - 4] = none;
+      numbers[numbers.size() - 6] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
@@ -83,6 +86,18 @@ TEST(EchoModelArrays, GiveBackWhatEchoesHoldOfBareWood) {
   }
 }
 
+TEST(EchoModelArrays, GiveBackHowLeavesAreTurned) {
+  EchoModel model = model_of(0.044);
+  for (const LnRatio& normals : {LnRatio{-0.2, 0.1}, LnRatio{0, 0.3}, LnRatio{1.3, 0.05}}) {
+    model.leaf_normals = normals;
+    expect_same(**echo_model_from_arrays(arrays_from_echo_model(model)), model);
+  }
+  for (const LnRatio& cannot_be : {LnRatio{0.3, -0.1}, LnRatio{3.5, 0.1}}) {
+    model.leaf_normals = cannot_be;
+    EXPECT_FALSE(echo_model_from_arrays(arrays_from_echo_model(model))) << cannot_be.value;
+  }
+}
+
 TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
   const auto read = echo_model_from_arrays(arrays_from_echo_model(std::nullopt));
   ASSERT_TRUE(read);
@@ -92,9 +107,13 @@ TEST(EchoModelArrays, GiveBackThatTheEchoesDoNotTell) {
 TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
   whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
-  whole.wood_returned = 0.8;
+  whole.wood_returned = 0.8, whole.leaf_normals = LnRatio{0.4, 0.1};
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.resize(numbers.size() - 2);
+  arrays.columns["model"] = numbers;
+  whole.leaf_normals.reset();
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
   whole.wood_returned.reset();

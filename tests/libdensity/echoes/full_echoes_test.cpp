@@ -53,6 +53,24 @@ TEST(FullEchoes, TellTheAngleOfTheLeaf) {
   EXPECT_NEAR(second / count, std::cos(0.7), 0.05);
 }
 
+// Level beams on leaves turned about the vertical, and the same turned on its side: about a level axis.
+TEST(FullEchoes, TellWhichWayTheNormalPoints) {
+  double upright = 0, tilted = 0, variance = 0, count = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<LeafEcho> echoes = leaf(0.12, 0.7, seed);
+    for (const FullEcho& e : find_full_echoes(echoes)) upright += static_cast<double>(e.normal_up);
+    for (LeafEcho& e : echoes) std::swap(e.position.x(), e.position.z());
+    for (const FullEcho& e : find_full_echoes(echoes)) {
+      tilted += static_cast<double>(e.normal_up), variance += static_cast<double>(e.normal_variance), ++count;
+      EXPECT_EQ(e.ray_up, 0);
+    }
+  }
+  ASSERT_GT(count, 100);
+  EXPECT_NEAR(upright / count, 0, 0.04);
+  EXPECT_NEAR(tilted / count, std::sin(0.7), 0.06);
+  EXPECT_NEAR(std::sqrt(variance / count), 0.1, 0.07);
+}
+
 TEST(FullEchoes, AreNotOnLeavesAsSmallAsTheBeamNorOnCanes) {
   EXPECT_TRUE(find_full_echoes(leaf(0.035, 0, 2)).empty());
   std::vector<LeafEcho> cane = leaf(0.3, 0, 3);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -18,6 +19,9 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
   std::mt19937_64 engine(7);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<DirectionLikelihood> parts(8, DirectionLikelihood(wide ? std::optional(full_echo) : std::nullopt));
+  std::array<double, DirectionCounters::kSteepness> projection{};
+  for (std::size_t k = 0; k < projection.size(); ++k)
+    projection[k] = leaf_projection({LeafAngleType::ellipsoidal, ratio}, DirectionCounters::kSine[k]);
   for (int v = 0; v < voxels; ++v) {
     const double density = 0.2 + 0.8 * uniform(engine);
     DirectionCounters voxel;
@@ -26,9 +30,7 @@ std::vector<DirectionLikelihood> parts_of(double ratio, double loss_per_m, bool 
         if (uniform(engine) < 0.4) continue;
         const std::size_t bin = d * DirectionCounters::kSteepness + k;
         const double path = 40 * uniform(engine);
-        const double met = path * density *
-                           leaf_projection({LeafAngleType::ellipsoidal, ratio}, DirectionCounters::kSine[k]) *
-                           std::exp(-loss_per_m * DirectionCounters::kRange_m[d]);
+        const double met = path * density * projection[k] * std::exp(-loss_per_m * DirectionCounters::kRange_m[d]);
         voxel.add_path(bin, path);
         voxel.hits[bin] = std::llrint(full_echo) * std::poisson_distribution<long>(met)(engine);
       }
@@ -93,16 +95,46 @@ TEST(LeafAngleFit, LevelRaysMeetFlatLeavesAtASmallCosine) {
   EXPECT_FALSE(fit_leaf_angles(parts_of(3.5, 0, false), upright).measured);
 }
 
-// Leaves turned at random look a little steep through wide beams.
+// Leaves turned at random look a little steep through wide beams, and sites differ more.
 TEST(LeafAngleFit, ThroughWideBeamsSphericalLeavesLookAnotherWay) {
-  const LeafAngleFit wide = fit_leaf_angles(parts_of(1.6, 0.25, true, 1500, 105));
-  const LeafAngleFit thin = fit_leaf_angles(parts_of(1.6, 0, false));
+  const LeafAngleFit wide = fit_leaf_angles(parts_of(2.5, 0.25, true, 1500, 105));
+  const LeafAngleFit thin = fit_leaf_angles(parts_of(2.5, 0, false));
   EXPECT_EQ(thin.spherical_looks, kSphericalLooks);
   EXPECT_EQ(wide.spherical_looks, kSphericalLooksWide);
-  EXPECT_GT(wide.angles().ellipsoid_ratio, 1.2);
-  EXPECT_LT(thin.angles().ellipsoid_ratio, wide.angles().ellipsoid_ratio);
+  EXPECT_GT(wide.flatter()->value, thin.flatter()->value + 0.2);
+  EXPECT_GT(wide.flatter()->error, 1.7 * thin.flatter()->error);
   EXPECT_LT(wide.aspect.apparent_side, 1);
   EXPECT_EQ(fit_leaf_angles(parts_of(0.8, 0, false)).aspect.apparent_side, 1);
+}
+
+TEST(LeafAngleFit, NormalsOfFullEchoesSayMoreThanDirections) {
+  const std::vector<DirectionLikelihood> looks_flat = parts_of(2.0, 0.25, true, 1500, 105);
+  const LeafAngleFit spherical = fit_leaf_angles(looks_flat, {LeafAngleType::measured, 1}, LnRatio{0, 0.05});
+  EXPECT_EQ(spherical.angles().type, LeafAngleType::spherical);
+  const LeafAngleFit flat = fit_leaf_angles(looks_flat, {LeafAngleType::measured, 1}, LnRatio{1.0, 0.05});
+  EXPECT_NEAR(std::log(flat.angles().ellipsoid_ratio), 1.0, 0.05);
+  EXPECT_LT(flat.flatter()->error, 0.16);
+  EXPECT_LT(flat.aspect.mean_cosine, spherical.aspect.mean_cosine);
+  // Where directions tell nothing normals do; options go before either.
+  const LeafAngleFit alone =
+      fit_leaf_angles(std::span(looks_flat).first(3), {LeafAngleType::measured, 1}, LnRatio{1.0, 0.05});
+  EXPECT_FALSE(alone.measured);
+  EXPECT_NEAR(std::log(alone.angles().ellipsoid_ratio), 1.0, 1e-9);
+  EXPECT_FALSE(fit_leaf_angles(looks_flat, {LeafAngleType::uniform, 1}, LnRatio{1.0, 0.05}).flatter());
+}
+
+TEST(LeafAngleFit, WhatIsNotKnownOfTheAnglesIsAnErrorOfAreas) {
+  const auto error_of = [](double value, double error) {
+    LeafAngleFit fit;
+    fit.wide_beams = true, fit.normals = LnRatio{value, error};
+    return fit.area_error();
+  };
+  EXPECT_EQ(LeafAngleFit{}.area_error(), 0);
+  EXPECT_EQ(error_of(0.05, 0.1), 0);  // as leaves turned at random look
+  EXPECT_EQ(error_of(-0.4, 0.1), 0);
+  EXPECT_NEAR(error_of(0.25, 0.1), 0.45 * 0.25, 1e-6);  // taken for such, though they look flatter
+  EXPECT_GT(error_of(0.9, 0.4), error_of(0.9, 0.05));
+  EXPECT_NEAR(error_of(1.0, 0.05), 0.45 * std::hypot(0.05, 0.15), 1e-6);
 }
 
 // Rays that go up to 15° up and down: what makes apparent density differ by a few per cent looks like a large ratio.
