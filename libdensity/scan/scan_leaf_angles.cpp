@@ -156,7 +156,7 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
 
 Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
-  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7 && f.size() != 10)
+  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7 && f.size() != 11)
     return damaged(arrays, "the fit has another number of values");
   if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
   LeafAngleFit fit{f[0], f[1], f[2] != 0};
@@ -167,6 +167,7 @@ Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
   if (f.size() > 6) fit.leverage = f[6];
   fit.wide_beams = f.size() > 7 ? f[7] != 0 : fit.spherical_looks == kSphericalLooksWide;
   if (f.size() > 9 && f[9] != 0) fit.normals = LnRatio{f[8], f[9]};
+  if (f.size() > 10) fit.given = f[10] != 0;
   if (!(fit.aspect.mean_cosine > 0 && fit.aspect.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
   if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3) || !(fit.leverage >= 0))
     return damaged(arrays, "the leaves' aspect cannot be");
@@ -203,8 +204,9 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
                                                   fit.spherical_looks,
                                                   fit.leverage,
                                                   fit.wide_beams ? 1.0 : 0.0,
-                                                  normals ? normals->value : 0,
-                                                  normals ? normals->error : 0};
+                                                  fit.normals ? fit.normals->value : 0,
+                                                  fit.normals ? fit.normals->error : 0,
+                                                  fit.given ? 1.0 : 0.0};
     return arrays;
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo, normals), make));
@@ -223,14 +225,18 @@ Result<LeafAngleFit> read_leaf_angles(const tile::Store& store, const tile::Scan
 std::string leaf_angle_note(const tile::ScanEntry& scan, const LeafAngleFit& fit) {
   const LeafAngles angles = fit.angles();
   const double error = fit.area_error();
+  if (angles.type == LeafAngleType::spherical && !fit.tells())
+    return fmt::format(
+        "how the leaves of {} are turned is not told: too few beams fall wholly on a leaf; they are taken to be turned "
+        "at random, and areas are larger, by up to about {:.0f} %, if they lie flat, which is in the intervals",
+        scan.scan_id, 100 * std::expm1(2 * error));
   if (angles.type == LeafAngleType::spherical)
-    return error < kNoteworthyError ? std::string()
-                                    : fmt::format(
-                                          "the leaves of {} may lie flatter than leaves turned at random, which too "
-                                          "few echoes tell for sure: "
-                                          "they are taken to be turned at random, and areas may be {:.0f} % larger, "
-                                          "which is in the intervals",
-                                          scan.scan_id, 100 * std::expm1(error));
+    return error < kNoteworthyError
+               ? std::string()
+               : fmt::format(
+                     "the leaves of {} look a little flatter than leaves turned at random; they are taken for such, "
+                     "and areas may be {:.0f} % larger, which is in the intervals",
+                     scan.scan_id, 100 * std::expm1(error));
   return fmt::format(
       "the leaves of {} lie flatter than leaves turned at random: steep rays meet more of them than level ones, as "
       "the faces of ellipsoids {:.1f} times as wide as high (± {:.0f} %), and areas are counted for such, which leaves "

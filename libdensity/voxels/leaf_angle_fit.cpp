@@ -21,6 +21,8 @@ constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.3, kNormalsEr
 // In standard errors: up to the first, leaves are taken for spherical, from the second on the ratio counts as it is
 // found.
 constexpr double kSurelyFlatter = 2, kCountsWhole = 3;
+// Up to this error of ln ratio flat leaves are told from others; what it is where nothing is known of them.
+constexpr double kTellingError = 0.25, kUntoldError = 0.7;
 // Of ln of the area for each unit of ln ratio, of flat leaves before lidars that stand upright.
 constexpr double kAreaPerLnRatio = 0.45;
 
@@ -159,14 +161,20 @@ LeafAngles LeafAngleFit::angles() const {
   return {LeafAngleType::ellipsoidal, std::exp(share * found->value)};
 }
 
+bool LeafAngleFit::tells() const {
+  const std::optional<LnRatio> found = flatter();
+  return given || !wide_beams || (found && found->error <= kTellingError);
+}
+
 double LeafAngleFit::area_error() const {
   const std::optional<LnRatio> found = flatter();
-  if (!found) return 0;
+  if (!found) return tells() ? 0 : kAreaPerLnRatio * kUntoldError;
   const LeafAngles taken = angles();
-  const bool spherical = taken.type == LeafAngleType::spherical;
-  const double left_out = found->value - (spherical ? 0 : std::log(taken.ellipsoid_ratio));
-  if (spherical && found->value < found->error) return 0;  // leaves turned at random look like that
-  return kAreaPerLnRatio * std::hypot(left_out, spherical ? 0 : found->error);
+  if (taken.type != LeafAngleType::spherical)
+    return kAreaPerLnRatio * std::hypot(found->value - std::log(taken.ellipsoid_ratio), found->error);
+  const double flatter_than_taken = std::max(0.0, found->value);
+  if (!tells()) return kAreaPerLnRatio * std::min(kUntoldError, std::hypot(flatter_than_taken, found->error));
+  return found->value > found->error ? kAreaPerLnRatio * flatter_than_taken : 0;  // up to it, as turned at random looks
 }
 
 namespace {
@@ -225,6 +233,7 @@ LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const L
   const bool measures = angles.type == LeafAngleType::measured;
   LeafAngleFit fit = measures ? fit_ratio(used, all) : LeafAngleFit{};
   if (measures) fit.normals = normals;
+  fit.given = !measures;
   fit.wide_beams = all.of_wide_beams();
   fit.spherical_looks = fit.wide_beams ? kSphericalLooksWide : kSphericalLooks;
   fit.leverage = leverage_of(all);

@@ -62,6 +62,7 @@ struct LeafAngleFit {
   LeafAspect aspect;                         ///< of the leaves that the hits met
   double leverage = kUsualLeverage;          ///< as said above
   bool wide_beams = false;
+  bool given = false;  ///< by the options: nothing is sought then
   std::optional<LnRatio> normals;
 
   /// Directions and normals weighted by their errors; those of directions include what else apparent density differs
@@ -69,8 +70,10 @@ struct LeafAngleFit {
   std::optional<LnRatio> flatter() const;
   /// Leaves are taken for spherical unless they are clearly flatter.
   LeafAngles angles() const;
-  /// Relative standard error of areas from what is not known of the angles: where leaves are not taken for spherical,
-  /// and of what they look flatter than they are taken for.
+  /// Whether the angles are known well enough for leaves that lie flat to be told from others.
+  bool tells() const;
+  /// Relative standard error of areas from what is not known of the angles: where leaves are not taken for spherical or
+  /// nothing tells, and of what they look flatter than they are taken for.
   double area_error() const;
 };
 

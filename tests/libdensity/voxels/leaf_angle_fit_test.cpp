@@ -130,6 +130,14 @@ TEST(LeafAngleFit, WhatIsNotKnownOfTheAnglesIsAnErrorOfAreas) {
     return fit.area_error();
   };
   EXPECT_EQ(LeafAngleFit{}.area_error(), 0);
+  LeafAngleFit untold;
+  untold.wide_beams = true;
+  EXPECT_FALSE(untold.tells());
+  EXPECT_GT(untold.area_error(), 0.3);
+  EXPECT_LT(error_of(0.1, 0.4), untold.area_error());
+  EXPECT_GT(error_of(0.1, 0.4), 0.15);
+  untold.given = true;
+  EXPECT_EQ(untold.area_error(), 0);
   EXPECT_EQ(error_of(0.05, 0.1), 0);  // as leaves turned at random look
   EXPECT_EQ(error_of(-0.4, 0.1), 0);
   EXPECT_NEAR(error_of(0.25, 0.1), 0.45 * 0.25, 1e-6);  // taken for such, though they look flatter
