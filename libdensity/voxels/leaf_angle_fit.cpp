@@ -22,9 +22,10 @@ constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.3, kNormalsEr
 // found.
 constexpr double kSurelyFlatter = 2, kCountsWhole = 3;
 // Up to this error of ln ratio flat leaves are told from others; what it is where nothing is known of them.
-constexpr double kTellingError = 0.25, kUntoldError = 0.7;
-// Of ln of the area for each unit of ln ratio, of flat leaves before lidars that stand upright.
-constexpr double kAreaPerLnRatio = 0.45;
+constexpr double kTellingError = 0.25, kUntoldError = 0.6;
+// Of ln of the area for each unit of ln ratio: planophile leaves that were taken for spherical read 0.36 to 0.70 too
+// small by it, the full echo being too strong for them besides.
+constexpr double kAreaPerLnRatio = 0.6;
 
 double ln_ratio_of(int i) { return DirectionLikelihood::kFirstLnRatio + i * DirectionLikelihood::kLnRatioStep; }
 

@@ -109,10 +109,12 @@ struct LeafAngles {
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
-    v.choice("type", o.type, kLeafAngleTypes,
-             "Distribution of the leaves' inclination; azimuths are uniform. measured: spherical, unless the "
-             "directions of a "
-             "scan's hits say that its leaves are clearly flatter, which counts as ellipsoidal then");
+    v.choice(
+        "type", o.type, kLeafAngleTypes,
+        "Distribution of the leaves' inclination; azimuths are uniform. measured: spherical, unless the "
+        "directions of a "
+        "scan's hits, and of wide beams the normals of full echoes, say that its leaves are clearly flatter, which "
+        "counts as ellipsoidal then");
     v.number("ellipsoid_ratio", o.ellipsoid_ratio, {0.05, 20},
              "Of ellipsoidal ones, horizontal over vertical semi-axis; 1 = spherical, above 1 = flatter leaves");
   }
