@@ -173,9 +173,8 @@ double LeafAngleFit::area_error() const {
   const LeafAngles taken = angles();
   if (taken.type != LeafAngleType::spherical)
     return kAreaPerLnRatio * std::hypot(found->value - std::log(taken.ellipsoid_ratio), found->error);
-  const double flatter_than_taken = std::max(0.0, found->value);
-  if (!tells()) return kAreaPerLnRatio * std::min(kUntoldError, std::hypot(flatter_than_taken, found->error));
-  return found->value > found->error ? kAreaPerLnRatio * flatter_than_taken : 0;  // up to it, as turned at random looks
+  if (!tells()) return kAreaPerLnRatio * std::min(kUntoldError, std::hypot(std::max(0.0, found->value), found->error));
+  return kAreaPerLnRatio * std::max(0.0, found->value - found->error);  // leaves turned at random look as flat as that
 }
 
 namespace {
