@@ -87,18 +87,25 @@ std::vector<std::size_t> irregular(const std::vector<PlacedStem>& stems, const s
   return posts;
 }
 
-// Sure posts where the canopy ends, though the spacing would not put one there: end panels are often shorter.
+// The sure post where the canopy ends, though the spacing would not put one there: end panels are often shorter. Of a
+// post and a vine beside it that is as high the one that fits better is it.
 void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure, const UsualStems& usual,
                    double row_length_m, PostChoice& choice) {
   constexpr double kEnd = 1.0;  // m
   const double apart = 0.25 * usual.spacing_m;
-  for (std::size_t i : sure) {
-    const double at = stems[i].chainage_m;
-    if (std::min(std::abs(at), std::abs(at - row_length_m)) > kEnd || fitness(stems[i], 0, usual) < 0) continue;
-    const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(),
-                                   [&](std::size_t k) { return std::abs(stems[k].chainage_m - at) < apart; });
+  const auto fit = [&](std::size_t i) { return fitness(stems[i], 0, usual); };
+  for (const double end_m : {0.0, row_length_m}) {
+    const auto is_at_end = [&](std::size_t i) { return std::abs(stems[i].chainage_m - end_m) <= kEnd; };
+    std::optional<std::size_t> best;
+    for (const std::size_t i : sure)
+      if (is_at_end(i) && fit(i) >= (best ? fit(*best) : 0)) best = i;
+    if (!best) continue;
+    const double at = stems[*best].chainage_m;
+    const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(), [&](std::size_t k) {
+      return std::abs(stems[k].chainage_m - at) < apart || (is_at_end(k) && fit(k) >= fit(*best));
+    });
     if (taken) continue;
-    choice.posts.push_back(i);
+    choice.posts.push_back(*best);
     std::erase_if(choice.inferred_m, [&](double m) { return std::abs(m - at) < apart; });
   }
 }

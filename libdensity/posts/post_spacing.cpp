@@ -1,6 +1,7 @@
 #include "libdensity/posts/post_spacing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -35,110 +36,10 @@ std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, c
   return most;
 }
 
-// Whether the sure posts that only the narrower spacing explains are lower than those of the wider one: vines as tall
-// as a post has to be. Posts whose upper part foliage hides are not held against them, nor end posts, which are taller
-// than the rest, where the wider spacing has others.
-bool added_are_lower(const std::vector<std::vector<PlacedStem>>& stems,
-                     const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
-  constexpr double kLowerM = 0.03;
-  constexpr double kHiddenShare = 0.8;  // of the usual height; less than that is what foliage leaves to be seen
-  std::vector<double> inner, ends;
-  double added_m = 0;
-  std::size_t added = 0;
-  for (std::size_t r = 0; r < stems.size(); ++r) {
-    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
-    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
-      if (std::binary_search(wide.begin(), wide.end(), i)) {
-        (i == 0 || i + 1 == stems[r].size() ? ends : inner).push_back(stems[r][i].stem.top_m);
-      } else {
-        added_m += stems[r][i].stem.top_m, ++added;
-      }
-  }
-  std::vector<double>& own = inner.empty() ? ends : inner;
-  if (added == 0 || own.empty()) return false;
-  const double usual_m = median_of(own);
-  std::erase_if(own, [&](double top_m) { return top_m < kHiddenShare * usual_m; });
-  return added_m / static_cast<double>(added) < median_of(own) - kLowerM;
-}
-
-// Places of a row's posts: chainages start + k·spacing, least squares.
-class PlacesOfRow {
- public:
-  PlacesOfRow(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& posts, double spacing_m) {
-    double n = 0, k_sum = 0, kk_sum = 0, at_sum = 0, k_at_sum = 0;
-    for (const std::size_t i : posts) {
-      const double at = stems[i].chainage_m, k = std::round((at - stems[posts.front()].chainage_m) / spacing_m);
-      n += 1, k_sum += k, kk_sum += k * k, at_sum += at, k_at_sum += k * at;
-    }
-    spacing_m_ = (n * k_at_sum - k_sum * at_sum) / (n * kk_sum - k_sum * k_sum);
-    start_m_ = (at_sum - spacing_m_ * k_sum) / n;
-  }
-  /// How far a stem stands off the nearest place, with `parts` of them to a spacing.
-  double off_m(double chainage_m, int parts) const {
-    const double spacing_m = spacing_m_ / parts;
-    return std::abs(std::remainder(chainage_m - start_m_, spacing_m));
-  }
-
- private:
-  double start_m_ = 0, spacing_m_ = 0;
-};
-
-// Whether the sure posts that only the narrower spacing explains stand off its places as those of the wider one do not:
-// posts are set out, vines stand half-way between them by chance.
-bool added_stand_off(const std::vector<std::vector<PlacedStem>>& stems,
-                     const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
-  constexpr std::size_t kLeastPosts = 3;  // of a row, to tell how far off they stand
-  constexpr double kLeastOffM = 0.05, kTimesOff = 3;
-  const int parts = static_cast<int>(std::lround(wide_m / narrow_m));
-  std::vector<double> own_m, added_m;
-  for (std::size_t r = 0; r < stems.size(); ++r) {
-    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
-    if (wide.size() < kLeastPosts) continue;
-    const PlacesOfRow places(stems[r], wide, wide_m);
-    for (const std::size_t i : wide) own_m.push_back(places.off_m(stems[r][i].chainage_m, 1));
-    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m))
-      if (!std::binary_search(wide.begin(), wide.end(), i))
-        added_m.push_back(places.off_m(stems[r][i].chainage_m, parts));
-  }
-  return !added_m.empty() && median_of(added_m) > std::max(kLeastOffM, kTimesOff * median_of(own_m));
-}
-
-// Whether the sure posts that only the narrower spacing explains are thinner than those of the wider one, which are
-// alike: vines. End posts are thicker than the rest and not asked.
-bool added_are_thinner(const std::vector<std::vector<PlacedStem>>& stems,
-                       const std::vector<std::vector<std::size_t>>& sure, double narrow_m, double wide_m) {
-  constexpr std::size_t kLeastPosts = 3;
-  constexpr double kLeastThinnerM = 0.004, kTimesSpread = 3, kMadToDeviation = 1.4826;
-  std::vector<double> own_m, added_m, off_m;
-  for (std::size_t r = 0; r < stems.size(); ++r) {
-    const std::vector<std::size_t> wide = most_on_lattice(stems[r], sure[r], wide_m);
-    for (const std::size_t i : most_on_lattice(stems[r], sure[r], narrow_m)) {
-      if (i == 0 || i + 1 == stems[r].size()) continue;
-      (std::binary_search(wide.begin(), wide.end(), i) ? own_m : added_m).push_back(stems[r][i].stem.radius_m);
-    }
-  }
-  if (own_m.size() < kLeastPosts || added_m.empty()) return false;
-  const double usual_m = median_of(own_m);
-  for (const double radius_m : own_m) off_m.push_back(std::abs(radius_m - usual_m));
-  return median_of(added_m) < usual_m - std::max(kLeastThinnerM, kTimesSpread * kMadToDeviation * median_of(off_m));
-}
-
-// How many places a spacing has in the rows, from the first sure post of each to the last.
-std::size_t places_of(const std::vector<std::vector<PlacedStem>>& stems,
-                      const std::vector<std::vector<std::size_t>>& sure, double spacing_m) {
-  std::size_t places = 0;
-  for (std::size_t r = 0; r < stems.size(); ++r) {
-    if (sure[r].empty()) continue;
-    const double length_m = stems[r][sure[r].back()].chainage_m - stems[r][sure[r].front()].chainage_m;
-    places += 1 + static_cast<std::size_t>(std::lround(length_m / spacing_m));
-  }
-  return places;
-}
-
 // Distances between all pairs of sure posts of a row, not only neighbours: a vine taken for a post must not hide the
 // gap between its neighbours.
-std::vector<double> gaps_between_sure(const std::vector<std::vector<PlacedStem>>& stems,
-                                      const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
+std::vector<double> gaps_between(const std::vector<std::vector<PlacedStem>>& stems,
+                                 const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
   std::vector<double> gaps;
   for (std::size_t r = 0; r < stems.size(); ++r)
     for (std::size_t i = 0; i < sure[r].size(); ++i)
@@ -158,60 +59,115 @@ std::size_t explained_by(const std::vector<std::vector<PlacedStem>>& stems,
   return sum;
 }
 
-struct SpacingCandidate {
-  double spacing_m;
-  std::size_t explained;
+// What stands at a place of a spacing, or elsewhere in a row: nothing, or a stem that is a witness of the spacing or
+// not, thicker than vines mostly are or not. A place without a stem and one with a vine are the same: no post.
+enum Standing : std::size_t { kNoPost, kThickFoot, kWitness, kThickWitness, kStandings };
+using StandingCounts = std::array<double, kStandings>;
+
+Standing standing_of(const Stem& stem, bool is_witness, const StemThickness& thickness) {
+  const bool is_thick = thickness.is_rather_thick(stem);
+  if (is_witness) return is_thick ? kThickWitness : kWitness;
+  return is_thick ? kThickFoot : kNoPost;
+}
+
+// A row as its spacing is judged by it.
+struct RowStandings {
+  std::vector<Standing> of_stem;
+  StandingCounts all{};  // where stems stand, and each metre without one, where one might
 };
 
+RowStandings row_standings(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& witnesses,
+                           const StemThickness& thickness) {
+  constexpr double kOpenM = 1.0;
+  RowStandings row;
+  for (std::size_t i = 0; i < stems.size(); ++i) {
+    const bool is_witness = std::binary_search(witnesses.begin(), witnesses.end(), i);
+    row.of_stem.push_back(standing_of(stems[i].stem, is_witness, thickness));
+    ++row.all[row.of_stem.back()];
+    if (i == 0) continue;
+    const double open = std::round((stems[i].chainage_m - stems[i - 1].chainage_m) / kOpenM) - 1;
+    row.all[kNoPost] += std::max(0.0, open);
+  }
+  return row;
+}
+
+// The stem nearest to a chainage within `reach_m`; `stems.size()` without one.
+std::size_t nearest_stem(const std::vector<PlacedStem>& stems, double chainage_m, double reach_m) {
+  const auto from = std::lower_bound(stems.begin(), stems.end(), chainage_m - reach_m,
+                                     [](const PlacedStem& s, double at_m) { return s.chainage_m < at_m; });
+  std::size_t nearest = stems.size();
+  for (auto it = from; it != stems.end() && it->chainage_m <= chainage_m + reach_m; ++it) {
+    const auto i = static_cast<std::size_t>(it - stems.begin());
+    if (nearest == stems.size() ||
+        std::abs(it->chainage_m - chainage_m) < std::abs(stems[nearest].chainage_m - chainage_m))
+      nearest = i;
+  }
+  return nearest;
+}
+
+// What stands at the places of a spacing from the row's first stem to its last. `posts`, the witnesses that stand at
+// places, say where the others are.
+StandingCounts count_at_places(const std::vector<PlacedStem>& stems, const RowStandings& row,
+                               const std::vector<std::size_t>& posts, double spacing_m) {
+  StandingCounts at{};
+  const double reach_m = kOffPlace * spacing_m;
+  const double start_m = stems[posts.front()].chainage_m;
+  double place_m = start_m - spacing_m * std::floor((start_m - stems.front().chainage_m + reach_m) / spacing_m);
+  std::size_t next = 0;
+  while (place_m <= stems.back().chainage_m + reach_m) {
+    while (next < posts.size() && stems[posts[next]].chainage_m < place_m - 0.5 * spacing_m) ++next;
+    if (next < posts.size() && stems[posts[next]].chainage_m < place_m + 0.5 * spacing_m) {
+      place_m = stems[posts[next]].chainage_m;
+      ++at[row.of_stem[posts[next]]];
+    } else {
+      const std::size_t stem = nearest_stem(stems, place_m, std::min(kPlaceReachM, reach_m));
+      ++at[stem == stems.size() ? kNoPost : row.of_stem[stem]];
+    }
+    place_m += spacing_m;
+  }
+  return at;
+}
+
+// ln likelihood of counts, each with its own share of them.
+double log_likelihood(const StandingCounts& counts) {
+  double sum = 0, total = 0;
+  for (const double n : counts)
+    if (n > 0) sum += n * std::log(n), total += n;
+  return total > 0 ? sum - total * std::log(total) : 0;
+}
+
+// How much likelier what stands in the rows is if it is another at the places of a spacing than elsewhere, as ln of the
+// ratio (half of the G statistic of the table of counts). Half of the right spacing has places without posts, twice of
+// it leaves posts elsewhere, and where canes make vines as high as posts, such stand everywhere: each makes the places
+// and the rest more alike.
+double evidence_for(const std::vector<std::vector<PlacedStem>>& stems,
+                    const std::vector<std::vector<std::size_t>>& witnesses, const std::vector<RowStandings>& rows,
+                    double spacing_m) {
+  StandingCounts at{}, elsewhere{}, all{};
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    const std::vector<std::size_t> posts = most_on_lattice(stems[r], witnesses[r], spacing_m);
+    const StandingCounts at_row =
+        posts.empty() ? StandingCounts{} : count_at_places(stems[r], rows[r], posts, spacing_m);
+    for (std::size_t k = 0; k < kStandings; ++k) {
+      at[k] += at_row[k];
+      elsewhere[k] += std::max(0.0, rows[r].all[k] - at_row[k]);
+    }
+  }
+  for (std::size_t k = 0; k < kStandings; ++k) all[k] = at[k] + elsewhere[k];
+  return log_likelihood(at) + log_likelihood(elsewhere) - log_likelihood(all);
+}
+
 // Spacings that the gaps, their halves and their thirds suggest, ascending.
-std::vector<SpacingCandidate> spacing_candidates(const std::vector<std::vector<PlacedStem>>& stems,
-                                                 const std::vector<std::vector<std::size_t>>& sure,
-                                                 std::span<const double> gaps, double min_m, double max_m) {
-  std::vector<double> tried;
-  for (double gap : gaps)
+std::vector<double> suggested_spacings(std::span<const double> gaps, double min_m, double max_m) {
+  constexpr double kApartM = 0.005;  // a large block has more gaps than spacings that differ
+  std::vector<double> tried, kept;
+  for (const double gap : gaps)
     for (int parts = 1; parts <= 3; ++parts)
       if (gap / parts >= min_m && gap / parts <= max_m) tried.push_back(gap / parts);
   std::sort(tried.begin(), tried.end());
-  std::vector<SpacingCandidate> candidates;
-  for (double spacing : tried) {
-    constexpr double kApart = 0.005;  // m; a large block has more gaps than spacings that differ
-    if (!candidates.empty() && spacing < candidates.back().spacing_m + kApart) continue;
-    candidates.push_back({spacing, explained_by(stems, sure, spacing)});
-  }
-  return candidates;
-}
-
-// A half or a third of the spacing explains as much, and a little more by chance or by vines as tall as posts: of the
-// multiples of the one that explains most, the widest that does nearly as well, or whose places are mostly taken, and
-// twice as often as those that the narrower one adds, where the posts are lower, thinner or stand off. No other spacing
-// may take its place.
-SpacingCandidate widest_multiple(const std::vector<std::vector<PlacedStem>>& stems,
-                                 const std::vector<std::vector<std::size_t>>& sure,
-                                 std::span<const SpacingCandidate> candidates, std::size_t most, std::size_t others) {
-  const std::size_t enough = most - std::min(most - 1, others / 20 + (most > 4 ? 1 : 0));
-  double best = 0;
-  for (const SpacingCandidate& c : candidates)
-    if (c.explained == most) best = c.spacing_m;
-  const auto rows = static_cast<std::size_t>(
-      std::count_if(sure.begin(), sure.end(), [](const std::vector<std::size_t>& row) { return !row.empty(); }));
-  const auto is_multiple = [](double spacing, double of) {
-    const double times = spacing / of;
-    return times > 1.5 && std::abs(times - std::round(times)) <= kOffPlace;
-  };
-  SpacingCandidate widest{best, most};
-  for (const SpacingCandidate& c : candidates) {
-    const std::size_t places = places_of(stems, sure, widest.spacing_m);
-    const std::size_t own = std::min(places, places_of(stems, sure, c.spacing_m)), taken = c.explained + rows;
-    const std::size_t others_taken = widest.explained - std::min(widest.explained, c.explained);
-    const bool adds_little = 3 * taken > 2 * own && 2 * others_taken * own < taken * (places - own);
-    if ((is_multiple(c.spacing_m, best) && c.explained >= enough) ||
-        (is_multiple(c.spacing_m, widest.spacing_m) && adds_little &&
-         (added_are_lower(stems, sure, widest.spacing_m, c.spacing_m) ||
-          added_are_thinner(stems, sure, widest.spacing_m, c.spacing_m) ||
-          added_stand_off(stems, sure, widest.spacing_m, c.spacing_m))))
-      widest = c;
-  }
-  return widest;
+  for (const double spacing_m : tried)
+    if (kept.empty() || spacing_m >= kept.back() + kApartM) kept.push_back(spacing_m);
+  return kept;
 }
 
 // The radii of the stems at the places by which a spacing is split, how many such places there are, and the radii of
@@ -293,26 +249,33 @@ int parts_of_spacing(const std::vector<std::vector<PlacedStem>>& stems,
   return 1;
 }
 
-// Of the spacings that pairs of sure posts suggest, the one that explains most posts, or a multiple of it that does
-// nearly as well; then the median of the distances that agree with it.
+// Of the spacings that pairs of witnesses suggest, the one with the most evidence; then the median of the distances
+// that agree with it.
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
-                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
-  const std::vector<double> gaps = gaps_between_sure(stems, sure, min_m, 2 * max_m);
+                           const std::vector<std::vector<std::size_t>>& witnesses, const StemThickness& thickness,
+                           double min_m, double max_m) {
+  constexpr double kLeastEvidence = 10;  // in ln
+  const std::vector<double> gaps = gaps_between(stems, witnesses, min_m, 2 * max_m);
+  std::vector<RowStandings> rows;
   std::size_t others = 0;
-  for (const auto& of_row : sure) others += of_row.empty() ? 0 : of_row.size() - 1;
-  const std::vector<SpacingCandidate> candidates = spacing_candidates(stems, sure, gaps, min_m, max_m);
-  std::size_t most = 0;
-  for (const SpacingCandidate& c : candidates) most = std::max(most, c.explained);
-  if (most == 0) return {std::numeric_limits<double>::quiet_NaN(), false};
-  const SpacingCandidate widest = widest_multiple(stems, sure, candidates, most, others);
+  for (std::size_t r = 0; r < stems.size(); ++r) {
+    rows.push_back(row_standings(stems[r], witnesses[r], thickness));
+    others += witnesses[r].empty() ? 0 : witnesses[r].size() - 1;
+  }
+  double best_m = std::numeric_limits<double>::quiet_NaN(), most = 0;
+  for (const double spacing_m : suggested_spacings(gaps, min_m, max_m)) {
+    const double evidence = evidence_for(stems, witnesses, rows, spacing_m);
+    if (std::isnan(best_m) || evidence >= most) best_m = spacing_m, most = evidence;
+  }
+  if (std::isnan(best_m)) return {best_m, false};
   std::vector<double> spacings;
-  for (double gap : gaps) {
-    const double spacing = gap / std::max(1.0, std::round(gap / widest.spacing_m));
-    if (std::abs(spacing - widest.spacing_m) <= kOffPlace * widest.spacing_m) spacings.push_back(spacing);
+  for (const double gap : gaps) {
+    const double spacing = gap / std::max(1.0, std::round(gap / best_m));
+    if (std::abs(spacing - best_m) <= kOffPlace * best_m) spacings.push_back(spacing);
   }
   const double spacing = median_of(spacings);
-  const std::size_t agree = explained_by(stems, sure, spacing);
-  return {spacing, agree >= 4 && 2 * agree > others};
+  const std::size_t agree = explained_by(stems, witnesses, spacing);
+  return {spacing, agree >= 4 && (2 * agree > others || most >= kLeastEvidence)};
 }
 
 }  // namespace rayfield::density

@@ -3,20 +3,24 @@
 #include <vector>
 
 #include "libdensity/posts/posts.h"
+#include "libdensity/posts/stem_thickness.h"
 
 namespace rayfield::density {
 
 inline constexpr double kOffPlace = 0.06;     ///< how far a post may stand off a multiple of the spacing, in spacings
 inline constexpr double kPlaceReachM = 0.35;  ///< least distance at which a post is looked for
 
-/// The distance that explains most gaps between sure posts of a row as a whole multiple; NaN without gaps.
+/// The distance at whose places what stands differs most from what stands elsewhere; NaN where no two witnesses of a
+/// row are as far apart as a panel can be long.
 struct UsualSpacing {
   double spacing_m = 0;
-  /// Most sure posts stand at multiples of the spacing from one of their row, and at least four of them.
+  /// At least four witnesses stand at multiples of the spacing from one of their row, and these are most, or the places
+  /// differ from the rest beyond doubt: canes may make most vines as high as posts.
   bool regular = false;
 };
 UsualSpacing usual_spacing(const std::vector<std::vector<PlacedStem>>& stems,
-                           const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m);
+                           const std::vector<std::vector<std::size_t>>& witnesses, const StemThickness& thickness,
+                           double min_m, double max_m);
 
 /// Into how many panels the usual spacing has to be split, 1 to 3: where every second or third post stands at a vine,
 /// the witnesses show the others alone. Those posts' feet tell then: stems at their places, at most of which there are

@@ -188,7 +188,8 @@ Result<PostReport> place_posts(RowLayout& layout, std::span<const Stem> stems, c
     sure[r] = without_thin(placed[r], sure[r], usual.thickness);
     witnesses.push_back(spacing_witnesses(placed[r], sure[r], stem_spacing_m, usual.thickness));
   }
-  const UsualSpacing spacing = usual_spacing(placed, witnesses, options.min_panel_m, options.max_panel_m);
+  const UsualSpacing spacing =
+      usual_spacing(placed, witnesses, usual.thickness, options.min_panel_m, options.max_panel_m);
   usual.spacing_m = report.panel_length_m =
       spacing.spacing_m / parts_of_spacing(placed, witnesses, spacing.spacing_m, options.min_panel_m);
   usual.regular = spacing.regular;

@@ -8,6 +8,7 @@ namespace rayfield::density {
 namespace {
 
 constexpr double kThick = 2.2;              // standard deviations
+constexpr double kRatherThick = 1.5;        // the same
 constexpr double kLeastThickM = 0.006;      // more than the median
 constexpr double kThin = 1.2;               // standard deviations
 constexpr double kMaybeSolid = 3;           // as in post_lattice.cpp
@@ -18,6 +19,10 @@ constexpr std::size_t kLeastThick = 4;
 
 bool StemThickness::is_thick(const Stem& stem) const {
   return stem.radius_m > trunk_m + std::max(kThick * spread_m, kLeastThickM);
+}
+
+bool StemThickness::is_rather_thick(const Stem& stem) const {
+  return stem.radius_m > trunk_m + std::max(kRatherThick * spread_m, kLeastThickM);
 }
 
 bool StemThickness::is_thin(const Stem& stem) const {

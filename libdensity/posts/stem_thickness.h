@@ -18,6 +18,8 @@ struct StemThickness {
 
   /// Thicker than hardly any vine.
   bool is_thick(const Stem& stem) const;
+  /// Thicker than most vines: enough where stems are counted, each of which may be one of the others.
+  bool is_rather_thick(const Stem& stem) const;
   /// As thin as vines usually are, and not seen to be solid.
   bool is_thin(const Stem& stem) const;
 };

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace rayfield::density {
@@ -26,7 +28,7 @@ struct Rows {
     }
     stems.push_back(row), sure.push_back(all);
   }
-  UsualSpacing spacing() const { return usual_spacing(stems, sure, 2.5, 15); }
+  UsualSpacing spacing() const { return usual_spacing(stems, sure, stem_thickness(stems, sure), 2.5, 15); }
 };
 
 TEST(PostSpacing, PostsTellTheirSpacing) {
@@ -66,34 +68,62 @@ TEST(PostSpacing, VinesAsHighAsPostsStandOffTheirPlaces) {
   EXPECT_NEAR(rows.spacing().spacing_m, 5.5, 0.02);
 }
 
-// Posts that stand that far off themselves say nothing.
-TEST(PostSpacing, PostsThatAreNotSetOutWellMayHaveSuchBetweenThem) {
+/// Three rows of 22 m with a post every 5.5 m and a vine every 1.83 m, so that three vines stand about half-way between
+/// two posts each. Posts have 34 mm, vines 24 ± 3; `is_tall(row, vine)` are as high as posts.
+constexpr std::array kVineRadiiM{0.024, 0.021, 0.026, 0.023, 0.018, 0.027, 0.024, 0.030, 0.022};
+
+template <class IsTall>
+Rows rows_with_vines(const IsTall& is_tall) {
   Rows rows;
-  rows.add({0, 2.87, 5.65, 10.9, 16.6, 19.35, 21.99});
-  rows.add({0, 5.4, 11.1, 16.35, 22.05});
+  for (int row = 0; row < 3; ++row) {
+    std::vector<std::pair<double, bool>> at;  // chainage, and whether it is a post
+    for (int post = 0; post < 5; ++post) at.emplace_back(5.5 * post, true);
+    for (int vine = 0; vine < 12; ++vine) at.emplace_back(0.92 + 0.03 * row + 1.83 * vine, false);
+    std::sort(at.begin(), at.end());
+    std::vector<PlacedStem> stems;
+    std::vector<std::size_t> sure;
+    int vine = 0;
+    for (const auto& [chainage_m, is_post] : at) {
+      if (is_post || is_tall(row, vine)) sure.push_back(stems.size());
+      stems.push_back({{}, chainage_m, 0});
+      stems.back().stem.radius_m = is_post ? 0.034 : kVineRadiiM[static_cast<std::size_t>(5 * vine + 7 * row) % 9];
+      vine += is_post ? 0 : 1;
+    }
+    rows.stems.push_back(stems), rows.sure.push_back(sure);
+  }
+  return rows;
+}
+
+// Bare vines with canes on their axes: half of them look like posts, half-way and everywhere.
+TEST(PostSpacing, VinesOfWhichManyAreTallDoNotHalveIt) {
+  const std::vector<std::vector<int>> tall{{1, 2, 3, 6, 8, 9, 10, 11}, {0, 4, 6, 10, 11}, {1, 4, 5, 7, 9}};
+  const Rows rows = rows_with_vines([&](int row, int vine) { return std::ranges::count(tall[row], vine) > 0; });
+  EXPECT_NEAR(rows.spacing().spacing_m, 5.5, 1e-9);
+  EXPECT_TRUE(rows.spacing().regular);
+}
+
+// Even where it is those half-way and no others, as long as they are as thin as vines.
+TEST(PostSpacing, VinesHalfwayAreThinnerThanPosts) {
+  const auto is_halfway = [](int, int vine) { return vine % 3 == 1; };
+  Rows rows = rows_with_vines([&](int row, int vine) { return is_halfway(row, vine) && (vine / 3 + row) % 2 == 0; });
+  EXPECT_NEAR(rows.spacing().spacing_m, 5.5, 1e-9);
+}
+
+// As thick as posts, and as high wherever foliage lets it be seen, they are posts.
+TEST(PostSpacing, PostsHalfwayThatStandAtVinesAreThick) {
+  Rows rows = rows_with_vines([](int row, int vine) { return vine % 3 == 1 && (vine / 3 + row) % 4 != 0; });
+  for (auto& row : rows.stems)
+    for (PlacedStem& stem : row)
+      if (std::abs(std::remainder(stem.chainage_m, 2.75)) < 0.15) stem.stem.radius_m = 0.034;
   EXPECT_NEAR(rows.spacing().spacing_m, 2.75, 0.03);
 }
 
-// As high as posts and right half-way, but thinner.
-TEST(PostSpacing, VinesHalfwayAreThinnerThanPosts) {
-  for (const double vine_radius_m : {0.025, 0.034}) {
-    Rows rows;
-    rows.add({0, 2.73, 5.5, 11, 16.5, 22});
-    rows.add({0, 5.5, 11, 13.76, 16.5, 19.27, 22});
-    for (auto& row : rows.stems)
-      for (PlacedStem& stem : row) stem.stem.radius_m = 0.034 + 0.0005 * std::sin(stem.chainage_m);
-    for (PlacedStem* vine : {&rows.stems[0][1], &rows.stems[1][3], &rows.stems[1][5]})
-      vine->stem.radius_m = vine_radius_m;
-    EXPECT_NEAR(rows.spacing().spacing_m, vine_radius_m < 0.03 ? 5.5 : 2.75, 0.02) << vine_radius_m;
-  }
-}
-
-// As high as the others they are posts, of which most could not be seen.
-TEST(PostSpacing, AFewPostsHalfwayDo) {
+// Two of three that can be seen are as many as foliage may leave of posts.
+TEST(PostSpacing, MostPostsHalfwayDo) {
   Rows rows;
-  rows.add({0, 5, 10, 12.5, 15, 17.5, 20});
-  rows.add({0, 5, 10, 15, 20});
-  rows.add({0, 5, 10, 15, 17.5, 20});
+  rows.add({0, 5, 7.5, 10, 12.5, 15, 17.5, 20});
+  rows.add({0, 2.5, 5, 10, 12.5, 15, 20});
+  rows.add({0, 2.5, 5, 7.5, 10, 15, 17.5, 20});
   EXPECT_NEAR(rows.spacing().spacing_m, 2.5, 1e-9);
 }
 
@@ -145,7 +175,11 @@ struct HiddenPosts {
 
 TEST(PostSpacing, PostsAtVinesShowByTheirFeet) {
   const HiddenPosts thick(0.037), thin(0.026);
-  EXPECT_NEAR(usual_spacing(thick.stems, thick.witnesses, 2.5, 15).spacing_m, 12, 1e-9);
+  const auto spacing_m = [](const HiddenPosts& rows) {
+    return usual_spacing(rows.stems, rows.witnesses, stem_thickness(rows.stems, rows.witnesses), 2.5, 15).spacing_m;
+  };
+  EXPECT_NEAR(spacing_m(thick), 6, 0.1);
+  EXPECT_NEAR(spacing_m(thin), 12, 1e-9);
   EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 2.5), 2);
   EXPECT_EQ(parts_of_spacing(thin.stems, thin.witnesses, 12, 2.5), 1);
   EXPECT_EQ(parts_of_spacing(thick.stems, thick.witnesses, 12, 7), 1) << "panels of 6 m are too short";
