@@ -64,8 +64,10 @@ std::size_t explained_by(const std::vector<std::vector<PlacedStem>>& stems,
 enum Standing : std::size_t { kNoPost, kThickFoot, kWitness, kThickWitness, kStandings };
 using StandingCounts = std::array<double, kStandings>;
 
-Standing standing_of(const Stem& stem, bool is_witness, const StemThickness& thickness) {
-  const bool is_thick = thickness.is_rather_thick(stem);
+// Posts at the ends of rows are thicker than the others and stand at the places of any part of a row's length: they are
+// not asked how thick they are.
+Standing standing_of(const Stem& stem, bool is_witness, bool is_end, const StemThickness& thickness) {
+  const bool is_thick = !is_end && thickness.is_rather_thick(stem);
   if (is_witness) return is_thick ? kThickWitness : kWitness;
   return is_thick ? kThickFoot : kNoPost;
 }
@@ -82,7 +84,8 @@ RowStandings row_standings(const std::vector<PlacedStem>& stems, const std::vect
   RowStandings row;
   for (std::size_t i = 0; i < stems.size(); ++i) {
     const bool is_witness = std::binary_search(witnesses.begin(), witnesses.end(), i);
-    row.of_stem.push_back(standing_of(stems[i].stem, is_witness, thickness));
+    const bool is_end = i == 0 || i + 1 == stems.size();
+    row.of_stem.push_back(standing_of(stems[i].stem, is_witness, is_end, thickness));
     ++row.all[row.of_stem.back()];
     if (i == 0) continue;
     const double open = std::round((stems[i].chainage_m - stems[i - 1].chainage_m) / kOpenM) - 1;

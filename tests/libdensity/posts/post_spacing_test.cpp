@@ -102,10 +102,10 @@ TEST(PostSpacing, VinesOfWhichManyAreTallDoNotHalveIt) {
   EXPECT_TRUE(rows.spacing().regular);
 }
 
-// Even where it is those half-way and no others, as long as they are as thin as vines.
+// Even where it is a third of those half-way and no others, as long as they are as thin as vines.
 TEST(PostSpacing, VinesHalfwayAreThinnerThanPosts) {
   const auto is_halfway = [](int, int vine) { return vine % 3 == 1; };
-  Rows rows = rows_with_vines([&](int row, int vine) { return is_halfway(row, vine) && (vine / 3 + row) % 2 == 0; });
+  Rows rows = rows_with_vines([&](int row, int vine) { return is_halfway(row, vine) && (vine / 3 + row) % 3 == 0; });
   EXPECT_NEAR(rows.spacing().spacing_m, 5.5, 1e-9);
 }
 
