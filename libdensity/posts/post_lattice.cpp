@@ -20,6 +20,10 @@ bool clearly_thicker(const Stem& stem, const UsualStems& usual) {
          stem.radius_m > 0.5 * (usual.post_radius_m + usual.trunk_radius_m);
 }
 
+bool is_post_beyond_doubt(const Stem& stem, const UsualStems& usual) {
+  return stem.upper_share >= kSureShare && stem.solidity >= kSureSolid && clearly_thicker(stem, usual);
+}
+
 // True for a stem that stands between two vines which are one vine spacing apart: it is not the vine itself.
 bool is_extra(const std::vector<PlacedStem>& stems, std::size_t i, const UsualStems& usual) {
   if (!(usual.trunk_spacing_m > 0) || i == 0 || i + 1 >= stems.size()) return false;
@@ -88,11 +92,15 @@ std::vector<std::size_t> irregular(const std::vector<PlacedStem>& stems, const s
 }
 
 // The sure post where the canopy ends, though the spacing would not put one there: end panels are often shorter. Of a
-// post and a vine beside it that is as high the one that fits better is it.
+// post and a vine beside it that is as high the one that fits better is it; both are posts where neither looks like a
+// vine in anything.
 void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure, const UsualStems& usual,
                    double row_length_m, PostChoice& choice) {
-  constexpr double kEnd = 1.0;  // m
+  constexpr double kEnd = 1.0, kOnePost = 0.5;  // m
   const double apart = 0.25 * usual.spacing_m;
+  const auto reach_of_post = [&](std::size_t a, std::size_t b) {
+    return is_post_beyond_doubt(stems[a].stem, usual) && is_post_beyond_doubt(stems[b].stem, usual) ? kOnePost : apart;
+  };
   const auto fit = [&](std::size_t i) { return fitness(stems[i], 0, usual); };
   for (const double end_m : {0.0, row_length_m}) {
     const auto is_at_end = [&](std::size_t i) { return std::abs(stems[i].chainage_m - end_m) <= kEnd; };
@@ -102,7 +110,8 @@ void add_end_posts(const std::vector<PlacedStem>& stems, const std::vector<std::
     if (!best) continue;
     const double at = stems[*best].chainage_m;
     const bool taken = std::any_of(choice.posts.begin(), choice.posts.end(), [&](std::size_t k) {
-      return std::abs(stems[k].chainage_m - at) < apart || (is_at_end(k) && fit(k) >= fit(*best));
+      const double reach_m = reach_of_post(k, *best);
+      return std::abs(stems[k].chainage_m - at) < reach_m || (reach_m == apart && is_at_end(k) && fit(k) >= fit(*best));
     });
     if (taken) continue;
     choice.posts.push_back(*best);

@@ -13,14 +13,14 @@
 namespace rayfield::density {
 namespace {
 
-// The sure posts that stand at multiples of the spacing from the one that explains most, itself with them: at each
+// The witnesses that stand at multiples of the spacing from the one that explains most, itself with them: at each
 // place the nearest, since a post and the vine beside it are one.
-std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, const std::vector<std::size_t>& sure,
-                                         double spacing_m) {
+std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems,
+                                         const std::vector<std::size_t>& witnesses, double spacing_m) {
   std::vector<std::size_t> most;
-  for (std::size_t a : sure) {
+  for (std::size_t a : witnesses) {
     std::map<long, std::pair<double, std::size_t>> nearest;  // by place: how far off, and the stem
-    for (std::size_t i : sure) {
+    for (std::size_t i : witnesses) {
       const double along = (stems[i].chainage_m - stems[a].chainage_m) / spacing_m;
       const long place = std::lround(along);
       const double off = std::abs(along - static_cast<double>(place));
@@ -36,26 +36,26 @@ std::vector<std::size_t> most_on_lattice(const std::vector<PlacedStem>& stems, c
   return most;
 }
 
-// Distances between all pairs of sure posts of a row, not only neighbours: a vine taken for a post must not hide the
+// Distances between all pairs of witnesses of a row, not only neighbours: a vine taken for a post must not hide the
 // gap between its neighbours.
 std::vector<double> gaps_between(const std::vector<std::vector<PlacedStem>>& stems,
-                                 const std::vector<std::vector<std::size_t>>& sure, double min_m, double max_m) {
+                                 const std::vector<std::vector<std::size_t>>& witnesses, double min_m, double max_m) {
   std::vector<double> gaps;
   for (std::size_t r = 0; r < stems.size(); ++r)
-    for (std::size_t i = 0; i < sure[r].size(); ++i)
-      for (std::size_t j = i + 1; j < sure[r].size(); ++j) {
-        const double gap = stems[r][sure[r][j]].chainage_m - stems[r][sure[r][i]].chainage_m;
+    for (std::size_t i = 0; i < witnesses[r].size(); ++i)
+      for (std::size_t j = i + 1; j < witnesses[r].size(); ++j) {
+        const double gap = stems[r][witnesses[r][j]].chainage_m - stems[r][witnesses[r][i]].chainage_m;
         if (gap >= min_m && gap <= max_m) gaps.push_back(gap);
       }
   return gaps;
 }
 
-// How many sure posts stand at multiples of a spacing from the one of their row that explains most.
+// How many witnesses stand at multiples of a spacing from the one of their row that explains most.
 std::size_t explained_by(const std::vector<std::vector<PlacedStem>>& stems,
-                         const std::vector<std::vector<std::size_t>>& sure, double spacing) {
+                         const std::vector<std::vector<std::size_t>>& witnesses, double spacing) {
   std::size_t sum = 0;
   for (std::size_t r = 0; r < stems.size(); ++r)
-    if (!sure[r].empty()) sum += most_on_lattice(stems[r], sure[r], spacing).size() - 1;
+    if (!witnesses[r].empty()) sum += most_on_lattice(stems[r], witnesses[r], spacing).size() - 1;
   return sum;
 }
 

@@ -8,7 +8,7 @@ namespace rayfield::density {
 /// together because a scan that is whole (processed_scan.h) was made by all of them.
 inline constexpr int kSurveyVersion = 2;
 inline constexpr int kGroundVersion = 1;
-inline constexpr int kEvidenceVersion = 3;
+inline constexpr int kEvidenceVersion = 4;
 inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
