@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libdensity/results/leaf_values.h"
+#include "libdensity/season/vine_year.h"
 
 namespace rayfield::density {
 

@@ -5,9 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "rayfield/core/result.h"
-#include "rayfield/tile/store.h"
-
 /// Which scans of a block show bare wood, and which of them stands for the wood of another.
 namespace rayfield::density {
 
@@ -23,10 +20,6 @@ struct DormantVerdict {
   bool dormant = false;
   std::string reason;  ///< for a note; empty where nobody would ask: a date in the growing season
 };
-
-/// The months in which vines bear no leaves: June to 10 September south of 20° S, December to 10 March north of 20° N,
-/// none between. `date`: YYYY-MM-DD.
-bool is_leafless_season(const std::string& date, double latitude_deg);
 
 /// What the user declared; otherwise dormant are scans of the leafless months that show little: less than any scan of
 /// the months with leaves, and no more than half of the largest of full leaf (three months of summer); where no scan of
@@ -47,8 +40,5 @@ std::optional<std::size_t> wood_scan_of(std::size_t scan, std::span<const ScanSe
 /// processed. Nothing: none is that much barer.
 std::optional<std::size_t> barest_scan_of(std::size_t scan, std::span<const ScanSeason> scans,
                                           std::optional<double> latitude_deg);
-
-/// Of the middle of the scan, by the store's CRS; nothing where that cannot be told.
-std::optional<double> latitude_of(const tile::ScanEntry& scan, const std::string& crs);
 
 }  // namespace rayfield::density

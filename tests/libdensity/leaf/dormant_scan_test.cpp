@@ -21,26 +21,6 @@ std::vector<bool> dormant(const std::vector<ScanSeason>& scans, std::optional<do
   return out;
 }
 
-TEST(LeaflessSeason, IsJuneToTenSeptemberInTheSouthAndHalfAYearLaterInTheNorth) {
-  for (const char* date : {"2019-06-01", "2019-07-31", "2019-09-10"}) {
-    EXPECT_TRUE(is_leafless_season(date, kSouth)) << date;
-    EXPECT_FALSE(is_leafless_season(date, kNorth)) << date;
-  }
-  for (const char* date : {"2019-12-01", "2020-01-31", "2020-02-29", "2020-03-10"}) {
-    EXPECT_TRUE(is_leafless_season(date, kNorth)) << date;
-    EXPECT_FALSE(is_leafless_season(date, kSouth)) << date;
-  }
-  for (const char* date : {"2019-05-31", "2019-09-11", "2019-11-30", "2019-03-11"})
-    for (const double latitude : {kSouth, kNorth}) EXPECT_FALSE(is_leafless_season(date, latitude)) << date;
-}
-
-TEST(LeaflessSeason, IsNeverNearTheEquator) {
-  for (const double latitude : {-20.0, -5.0, 0.0, 12.0, 20.0})
-    for (const char* date : {"2019-07-15", "2019-01-15"}) EXPECT_FALSE(is_leafless_season(date, latitude));
-  EXPECT_TRUE(is_leafless_season("2019-07-15", -20.1));
-  EXPECT_TRUE(is_leafless_season("2019-01-15", 20.1));
-}
-
 TEST(DormantScans, AreThoseOfTheLeaflessMonthsThatShowLittle) {
   const std::vector<ScanSeason> scans = {scan("2019-07-20", 0.4), scan("2019-10-01", 0.7), scan("2020-02-01", 3.1)};
   EXPECT_EQ(dormant(scans, kSouth), (std::vector<bool>{true, false, false}));
@@ -106,15 +86,6 @@ TEST(WoodScan, IsTheEarlierOfTwoAsNearAndNeverOneThatWasNotProcessed) {
 TEST(WoodScan, IsNothingWithoutADormantScan) {
   const std::vector<ScanSeason> scans = {scan("2019-10-01", 0.7), scan("2020-02-01", 3.1)};
   EXPECT_EQ(wood_scan_of(1, scans, find_dormant_scans(scans, kSouth)), std::nullopt);
-}
-
-TEST(Latitude, IsThatOfTheMiddleOfTheScan) {
-  tile::ScanEntry entry;
-  EXPECT_EQ(latitude_of(entry, "EPSG:7854"), std::nullopt) << "nothing was scanned";
-  entry.origin_bounds = {Eigen::Vector3d(276100, 6099900, 80), Eigen::Vector3d(276200, 6100000, 90)};
-  ASSERT_TRUE(latitude_of(entry, "EPSG:7854"));
-  EXPECT_NEAR(*latitude_of(entry, "EPSG:7854"), -35.22, 0.01);
-  EXPECT_EQ(latitude_of(entry, "EPSG:4326"), std::nullopt);
 }
 
 TEST(BarestScan, ShowsTheLeastOfTheScansOfOneSeason) {
