@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000;
 constexpr std::size_t kEnoughFull = 10;
-constexpr double kLeastLeafiness = 6;
+constexpr double kLeastLeafiness = 6, kLeastWhereUnlikely = 8, kLeastWhereLikely = 3;
 constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: weaker ones are of canes
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
@@ -125,6 +125,20 @@ double lost_share(const std::vector<std::uint32_t>& histogram, double full_echo,
 double leafiness_of(const EchoStatistics& statistics) {
   return static_cast<double>(statistics.echoes()) /
          static_cast<double>(std::max<std::int64_t>(1, statistics.wood().count));
+}
+
+bool shows_leaves(const EchoStatistics& statistics, Foliage foliage) {
+  switch (foliage) {
+    case Foliage::none:
+      return false;
+    case Foliage::unlikely:
+      return leafiness_of(statistics) >= kLeastWhereUnlikely;
+    case Foliage::likely:
+      return leafiness_of(statistics) >= kLeastWhereLikely;
+    case Foliage::unknown:
+      break;
+  }
+  return leafiness_of(statistics) >= kLeastLeafiness;
 }
 
 double widths_of_leaf(const EchoModel& model) {
@@ -252,9 +266,10 @@ std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, c
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
-  if (known.bare || leafiness_of(statistics) < kLeastLeafiness) return model_of_wood(statistics, known, model);
+  if (!shows_leaves(statistics, known.foliage)) return model_of_wood(statistics, known, model);
   const EchoModel of_leaves = model_of_leaves(statistics, known, model);
-  const bool of_canes = known.full_echo <= 0 && of_leaves.full_echo < kLeastOverWood * statistics.wood().mean();
+  const bool may_be_canes = known.full_echo <= 0 && known.foliage != Foliage::likely;
+  const bool of_canes = may_be_canes && of_leaves.full_echo < kLeastOverWood * statistics.wood().mean();
   return of_canes ? model_of_wood(statistics, known, model) : of_leaves;
 }
 

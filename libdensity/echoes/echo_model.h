@@ -49,13 +49,16 @@ struct EchoModel {
 /// holds more of one.
 EchoModel with_aspect(EchoModel model, const LeafAspect& aspect);
 
+/// Whether the vines bear leaves, as far as it is known before anything is seen of them: as declared, or by the month.
+enum class Foliage { unknown, none, unlikely, likely };
+
 /// What is known beforehand.
 struct EchoKnowledge {
   LidarBeam beam;
   double range_resolution_m = 0.15;
   double full_echo = 0;      ///< 0: from the statistics
   double leaf_size_m2 = -1;  ///< negative: from the statistics
-  bool bare = false;         ///< the vines bear no leaves
+  Foliage foliage = Foliage::unknown;
 };
 
 /// Whether the lidar sends one beam after the other, so that the previous one is the one beside: of a scan, or a tile.
@@ -63,9 +66,10 @@ bool sends_one_beam(const EchoStatistics& statistics);
 
 /// Nothing where the echoes do not tell: too few, or all of one intensity.
 ///
-/// Of bare vines, and where fewer than six echoes are to one of a beam that falls wholly on a post or trunk, or the
-/// full echo comes out below 0.55 of that of posts and trunks, so that canes make it: wood_echoes(), with
-/// EchoModel::wood_returned, or nothing where too few beams fell on posts and trunks. Else:
+/// Of bare vines, and where fewer than six echoes are to one of a beam that falls wholly on a post or trunk (eight
+/// where leaves are unlikely, three where they are likely), or the full echo comes out below 0.55 of that of posts and
+/// trunks, so that canes make it, unless leaves are likely: wood_echoes(), with EchoModel::wood_returned, or nothing
+/// where too few beams fell on posts and trunks. Else:
 ///
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D

@@ -10,6 +10,7 @@
 #include "libdensity/scan/scan_range_resolution.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
+#include "libdensity/season/vine_year.h"
 #include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/stored.h"
 #include "libdensity/voxels/voxel_accumulator.h"
@@ -49,6 +50,14 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
                                  model->resolution_assumed ? kAssumedResolutionError : 0, last ? of_last : 0));
   }
   return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
+}
+
+Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs) {
+  if (scan.dormant) return *scan.dormant ? Foliage::none : Foliage::likely;
+  const std::optional<double> latitude_deg = latitude_of(scan, crs);
+  if (!latitude_deg) return Foliage::unknown;
+  if (is_leafless_season(scan.date, *latitude_deg)) return Foliage::unlikely;
+  return is_full_leaf_season(scan.date, *latitude_deg) ? Foliage::likely : Foliage::unknown;
 }
 
 // One tile. Sums of integers, so that the order of the rays does not matter.
@@ -96,7 +105,8 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   KeyBuilder key(kEchoModelKind, kEchoesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
   key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
-  key.add(work.scan.dormant == true ? 1.0 : 0.0);
+  const Foliage foliage = foliage_of(work.scan, work.store.config().crs);
+  key.add(static_cast<double>(foliage));
   add_beam(key, view->beam);
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
@@ -106,11 +116,10 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                     make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     const BeamOptions& beam = work.options.beam;
-    auto model =
-        sampled.statistics
-            ? estimate_echo_model(*sampled.statistics, {view->beam, resolution_of(view->beam, beam), beam.full_echo,
-                                                        work.options.estimator.leaf_size_m2, work.scan.dormant == true})
-            : std::nullopt;
+    auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,
+                                                          {view->beam, resolution_of(view->beam, beam), beam.full_echo,
+                                                           work.options.estimator.leaf_size_m2, foliage})
+                                    : std::nullopt;
     if (model) {
       model->lacks_downward_misses = work.voxels.sure_return_m > 0;
       model->resolution_assumed = lacks_resolution(view->beam, beam);

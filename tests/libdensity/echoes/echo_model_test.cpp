@@ -221,13 +221,40 @@ TEST(EchoModel, BareVinesWithoutPostsTellNothing) {
   add_posts(statistics, 199);
   EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);  // 30 to one: leaves
   EchoKnowledge known = lidar(0.03);
-  known.bare = true;
+  known.foliage = Foliage::none;
   EXPECT_FALSE(estimate_echo_model(statistics, known).has_value());
   add_posts(statistics, 1);
   EXPECT_TRUE(estimate_echo_model(statistics, known)->wood_returned);
   EchoStatistics few = whole_leaves(0.03, 0.8, 1000);
   add_posts(few, 199);
   EXPECT_FALSE(estimate_echo_model(few, lidar(0.03)).has_value());
+}
+
+// What is leaf and what cane is asked of the month where echoes do not say it clearly.
+TEST(EchoModel, FewEchoesBesideThoseOfPostsAreOfLeavesWhereLeavesAreLikely) {
+  const auto is_bare = [](int posts, Foliage foliage) {
+    EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
+    add_posts(statistics, posts);
+    EchoKnowledge known = lidar(0.03);
+    known.foliage = foliage;
+    return estimate_echo_model(statistics, known)->wood_returned.has_value();
+  };
+  EXPECT_FALSE(is_bare(1200, Foliage::likely));  // five to one
+  EXPECT_TRUE(is_bare(1200, Foliage::unknown));
+  EXPECT_TRUE(is_bare(3000, Foliage::likely));   // two to one
+  EXPECT_FALSE(is_bare(900, Foliage::unknown));  // seven to one
+  EXPECT_TRUE(is_bare(900, Foliage::unlikely));
+  EXPECT_FALSE(is_bare(600, Foliage::unlikely));  // ten to one
+  EXPECT_TRUE(is_bare(600, Foliage::none));
+}
+
+// Posts of bright steel or white paint.
+TEST(EchoModel, LeavesMuchDarkerThanPostsAreLeavesWhereLeavesAreLikely) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.3);
+  add_posts(statistics, 500);
+  EchoKnowledge known = lidar(0.03);
+  known.foliage = Foliage::likely;
+  EXPECT_FALSE(estimate_echo_model(statistics, known)->wood_returned);
 }
 
 // The same pairs of echoes: where what lies farther behind is in an echo, too, leaves are larger than they look.
