@@ -21,8 +21,10 @@ constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.3, kNormalsEr
 // In standard errors: up to the first, leaves are taken for spherical, from the second on the ratio counts as it is
 // found.
 constexpr double kSurelyFlatter = 2, kCountsWhole = 3;
-// Up to this error of ln ratio flat leaves are told from others; what it is where nothing is known of them.
-constexpr double kTellingError = 0.25, kUntoldError = 0.6;
+// Up to this error of ln ratio flat leaves are told from others. Where they are not: how far ln ratio may be from that
+// of leaves turned at random beforehand (the belief of leaf_normals.h, too), and how far directions of planophile
+// leaves differ between sites, which is more than those of leaves turned at random do.
+constexpr double kTellingError = 0.25, kBeliefError = 0.7, kFlatDirectionsError = 0.38;
 // Of ln of the area for each unit of ln ratio: planophile leaves that were taken for spherical read 0.36 to 0.70 too
 // small by it, the full echo being too strong for them besides.
 constexpr double kAreaPerLnRatio = 0.6;
@@ -142,17 +144,30 @@ std::optional<double> DirectionLikelihood::ln_ratio() const {
   return ln_ratio_of(best) + kLnRatioStep * vertex(ln[i - 1], ln[i], ln[i + 1]);
 }
 
-std::optional<LnRatio> LeafAngleFit::flatter() const {
-  std::optional<LnRatio> found;
-  if (normals) found = LnRatio{normals->value, std::hypot(normals->error, kNormalsError)};
-  if (!measured) return found;
+std::optional<LnRatio> LeafAngleFit::by_directions() const {
+  if (!measured) return std::nullopt;
   const double unsure = std::max(1.0, kUsualLeverage / leverage);
-  const LnRatio directions{ln_ratio - spherical_looks,
-                           std::hypot(error, unsure * (wide_beams ? kDirectionsErrorWide : kDirectionsError))};
-  if (!found) return directions;
-  const double weights = found->weight() + directions.weight();
-  return LnRatio{(found->weight() * found->value + directions.weight() * directions.value) / weights,
+  return LnRatio{ln_ratio - spherical_looks,
+                 std::hypot(error, unsure * (wide_beams ? kDirectionsErrorWide : kDirectionsError))};
+}
+
+std::optional<LnRatio> LeafAngleFit::by_normals() const {
+  if (!normals) return std::nullopt;
+  return LnRatio{normals->value, std::hypot(normals->error, kNormalsError)};
+}
+
+std::optional<LnRatio> LeafAngleFit::flatter() const {
+  const std::optional<LnRatio> directions = by_directions(), full = by_normals();
+  if (!directions || !full) return full ? full : directions;
+  const double weights = full->weight() + directions->weight();
+  return LnRatio{(full->weight() * full->value + directions->weight() * directions->value) / weights,
                  1 / std::sqrt(weights)};
+}
+
+double LeafAngleFit::disagreement() const {
+  const std::optional<LnRatio> directions = by_directions(), full = by_normals();
+  if (!directions || !full) return 1;
+  return std::max(1.0, std::abs(full->value - directions->value) / std::hypot(full->error, directions->error));
 }
 
 LeafAngles LeafAngleFit::angles() const {
@@ -169,11 +184,13 @@ bool LeafAngleFit::tells() const {
 
 double LeafAngleFit::area_error() const {
   const std::optional<LnRatio> found = flatter();
-  if (!found) return tells() ? 0 : kAreaPerLnRatio * kUntoldError;
+  if (!found) return tells() ? 0 : kAreaPerLnRatio * kBeliefError;
   const LeafAngles taken = angles();
   if (taken.type != LeafAngleType::spherical)
-    return kAreaPerLnRatio * std::hypot(found->value - std::log(taken.ellipsoid_ratio), found->error);
-  if (!tells()) return kAreaPerLnRatio * std::min(kUntoldError, std::hypot(std::max(0.0, found->value), found->error));
+    return kAreaPerLnRatio * std::hypot(found->value - std::log(taken.ellipsoid_ratio), disagreement() * found->error);
+  if (!tells())
+    return kAreaPerLnRatio * std::min(kBeliefError, std::hypot(std::max(0.0, found->value),
+                                                               std::max(kFlatDirectionsError, found->error)));
   return kAreaPerLnRatio * std::max(0.0, found->value - found->error);  // leaves turned at random look as flat as that
 }
 

@@ -65,13 +65,19 @@ struct LeafAngleFit {
   bool given = false;  ///< by the options: nothing is sought then
   std::optional<LnRatio> normals;
 
-  /// Directions and normals weighted by their errors; those of directions include what else apparent density differs
-  /// by, a few per cent, which is a larger ratio the less the leverage. Nothing where neither tells.
+  /// ln ratio above that of leaves turned at random. The errors include what sites differ by; of directions, what else
+  /// apparent density differs by, a few per cent, which is a larger ratio the less the leverage.
+  std::optional<LnRatio> by_directions() const;
+  std::optional<LnRatio> by_normals() const;
+  /// Both weighted by their errors. Nothing where neither tells.
   std::optional<LnRatio> flatter() const;
   /// Leaves are taken for spherical unless they are clearly flatter.
   LeafAngles angles() const;
   /// Whether the angles are known well enough for leaves that lie flat to be told from others.
   bool tells() const;
+  /// By how many standard errors directions and normals differ, at least 1: as many times as large is the error of what
+  /// they say together, as that of averages is scaled by the Particle Data Group.
+  double disagreement() const;
   /// Relative standard error of areas from what is not known of the angles: where leaves are not taken for spherical or
   /// nothing tells, and of what they look flatter than they are taken for.
   double area_error() const;

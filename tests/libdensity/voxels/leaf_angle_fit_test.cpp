@@ -133,9 +133,9 @@ TEST(LeafAngleFit, WhatIsNotKnownOfTheAnglesIsAnErrorOfAreas) {
   LeafAngleFit untold;
   untold.wide_beams = true;
   EXPECT_FALSE(untold.tells());
-  EXPECT_GT(untold.area_error(), 0.3);
+  EXPECT_NEAR(untold.area_error(), 0.6 * 0.7, 1e-9);
   EXPECT_LT(error_of(0.1, 0.4), untold.area_error());
-  EXPECT_GT(error_of(0.1, 0.4), 0.15);
+  EXPECT_NEAR(error_of(0.3, 0.3), 0.6 * std::hypot(0.3, 0.38), 1e-6);
   untold.given = true;
   EXPECT_EQ(untold.area_error(), 0);
   EXPECT_EQ(error_of(0.05, 0.1), 0);  // as leaves turned at random look
