@@ -6,9 +6,9 @@
 #include <string>
 
 #include "libdensity/echoes/echo_model.h"
+#include "libdensity/leaf_angles/leaf_angle_fit.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/beam_view.h"
-#include "libdensity/voxels/leaf_angle_fit.h"
 #include "libdensity/voxels/row_segments.h"
 #include "libdensity/voxels/wood.h"
 

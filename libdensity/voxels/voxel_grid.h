@@ -8,7 +8,7 @@
 
 #include "libdensity/echoes/leaf_size_pairs.h"
 #include "libdensity/layout/row_layout.h"
-#include "libdensity/voxels/direction_counters.h"
+#include "libdensity/leaf_angles/direction_counters.h"
 #include "rayfield/tile/segments.h"
 
 /// voxels: the voxel grids of rows, and the rays, hits and path lengths counted in them (docs/density.md).

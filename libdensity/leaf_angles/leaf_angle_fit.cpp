@@ -1,4 +1,4 @@
-#include "libdensity/voxels/leaf_angle_fit.h"
+#include "libdensity/leaf_angles/leaf_angle_fit.h"
 
 #include <algorithm>
 #include <cmath>

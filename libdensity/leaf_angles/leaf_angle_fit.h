@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libdensity/echoes/leaf_angle.h"
-#include "libdensity/voxels/direction_counters.h"
+#include "libdensity/leaf_angles/direction_counters.h"
 #include "rayfield/density/options.h"
 
 namespace rayfield::density {

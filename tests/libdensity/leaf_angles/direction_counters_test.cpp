@@ -1,4 +1,4 @@
-#include "libdensity/voxels/direction_counters.h"
+#include "libdensity/leaf_angles/direction_counters.h"
 
 #include <gtest/gtest.h>
 
