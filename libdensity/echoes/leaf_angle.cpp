@@ -10,11 +10,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kQuadraturePoints = 2000;  // midpoint rule; G is continuous with bounded slope in the inclination
 
-/// Campbell (1986), without its normalising constant.
 double ellipsoid_shape(double ratio, double inclination_rad) {
-  const double s = std::sin(inclination_rad), c = std::cos(inclination_rad);
-  const double q = c * c + ratio * ratio * s * s;
-  return s / (q * q);
+  return std::sin(inclination_rad) * ellipsoid_normals(ratio, std::cos(inclination_rad));
 }
 
 double ellipsoid_norm(double ratio) {
@@ -35,6 +32,11 @@ double azimuth_mean_projection(double zenith_rad, double inclination_rad) {
 }
 
 }  // namespace
+
+double ellipsoid_normals(double ratio, double up) {
+  const double q = up * up + ratio * ratio * (1 - up * up);
+  return 1 / (q * q);
+}
 
 double leaf_inclination_density(const LeafAngles& angles, double inclination_rad) {
   switch (angles.type) {

@@ -11,6 +11,10 @@ namespace rayfield::density {
 /// Density of the leaf inclination (rad, 0…π/2), integral 1.
 double leaf_inclination_density(const LeafAngles& angles, double inclination_rad);
 
+/// Density of the normals of leaves that lie as the faces of ellipsoids `ratio` times as wide as high (Campbell 1986),
+/// up to a factor, on the sphere; `up`: the normal's vertical component.
+double ellipsoid_normals(double ratio, double up);
+
 /// Projection function G(θ): mean area that one unit of one-sided leaf area shows to a ray of zenith angle θ
 /// (Ross 1981; numerically integrated, relative error < 1e-4). 0.5 for spherical leaves at any θ.
 double leaf_projection(const LeafAngles& angles, double cos_zenith);

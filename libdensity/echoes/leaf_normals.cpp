@@ -42,8 +42,8 @@ Polynomials polynomials(double x) {
 }
 
 Steps ellipsoid(double ln_ratio) {
-  const Steps squares = ups().square();
-  return 1 / (squares + std::exp(2 * ln_ratio) * (1 - squares)).square();
+  const double ratio = std::exp(ln_ratio);
+  return ups().unaryExpr([&](double up) { return ellipsoid_normals(ratio, up); });
 }
 
 /// Area that leaves of these normals show to level rays, over all of it.

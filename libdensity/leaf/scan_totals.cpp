@@ -35,14 +35,18 @@ Result<PanelPlants> thin_plants_of(const tile::ArraySet& arrays) {
   const json attributes = json::parse(arrays.attributes, nullptr, /*allow_exceptions=*/false);
   const json uids = attributes.is_object() ? attributes.value(kPanels, json::array()) : json::array();
   const auto is_text = [](const json& uid) { return uid.is_string(); };
-  if (uids.size() != areas.size() || areas.size() != highs.size() || !std::all_of(uids.begin(), uids.end(), is_text))
+  const auto is_finite = [](double area_m2) { return std::isfinite(area_m2); };
+  if (uids.size() != areas.size() || areas.size() != highs.size() || !std::all_of(uids.begin(), uids.end(), is_text) ||
+      !std::all_of(areas.begin(), areas.end(), is_finite) || !std::all_of(highs.begin(), highs.end(), is_finite))
     return fail(ErrorCode::damaged, "cannot read derived data", kKind, "its panels have not one value each",
                 "run `rayfield verify`");
   for (std::size_t i = 0; i < areas.size(); ++i) plants[uids[i].get<std::string>()] = {areas[i], highs[i]};
   return plants;
 }
 
-tile::ArraySet to_arrays(const ScanTotals& totals) {
+}  // namespace
+
+tile::ArraySet arrays_from_totals(const ScanTotals& totals) {
   tile::ArraySet arrays{.kind = kKind};
   put_thin_plants(totals.thin_plants, arrays);
   arrays.columns["plant_area_m2"] = std::vector<double>{totals.plant_area_m2};
@@ -55,7 +59,7 @@ tile::ArraySet to_arrays(const ScanTotals& totals) {
   return arrays;
 }
 
-Result<ScanTotals> from_arrays(const tile::ArraySet& arrays) {
+Result<ScanTotals> totals_from_arrays(const tile::ArraySet& arrays) {
   RAYFIELD_ASSIGN(const auto area, arrays.column<double>("plant_area_m2"));
   RAYFIELD_ASSIGN(const auto length, arrays.column<double>("panel_length_m"));
   RAYFIELD_ASSIGN(const auto misses, arrays.column<std::uint8_t>("holds_downward_misses"));
@@ -72,8 +76,6 @@ Result<ScanTotals> from_arrays(const tile::ArraySet& arrays) {
   totals.panels = (*panels)[0], totals.panels_with_value = (*seen)[0], totals.observed_fraction = (*observed)[0];
   return totals;
 }
-
-}  // namespace
 
 std::optional<double> ScanTotals::plant_area_per_m() const {
   if (!(panel_length_m > 0)) return std::nullopt;
@@ -100,17 +102,17 @@ Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const Sca
       totals.plant_area_m2 += value.plant_area_m2, totals.panel_length_m += lengths[value.panel_uid];
     }
     if (totals.panels > 0) totals.observed_fraction = observed / totals.panels;
-    return to_arrays(totals);
+    return arrays_from_totals(totals);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key.hex(), make));
-  return from_arrays(arrays);
+  return totals_from_arrays(arrays);
 }
 
 Result<std::optional<ScanTotals>> read_totals(const tile::Store& store, const tile::ScanEntry& scan) {
   for (const tile::DerivedEntry& entry : scan.derived) {
     if (entry.kind != kKind) continue;
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
-    RAYFIELD_ASSIGN(const ScanTotals totals, from_arrays(arrays));
+    RAYFIELD_ASSIGN(const ScanTotals totals, totals_from_arrays(arrays));
     return std::optional(totals);
   }
   return std::optional<ScanTotals>();

@@ -28,6 +28,10 @@ struct ScanTotals {
   std::optional<double> plant_area_per_m() const;
 };
 
+/// Stored form (kind "totals"). Errors: damaged, where a number is missing or panels have not one value each.
+tile::ArraySet arrays_from_totals(const ScanTotals& totals);
+Result<ScanTotals> totals_from_arrays(const tile::ArraySet& arrays);
+
 /// Sums up the results of `work.scan`, which are in its files, and keeps them there.
 Result<ScanTotals> total_scan(ScanWork& work, const RowLayout& layout, const ScanResults& results,
                               bool holds_downward_misses);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "libdensity/leaf_angles/leaf_angle_arrays.h"
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
@@ -18,8 +19,6 @@
 namespace rayfield::density {
 namespace {
 
-constexpr const char* kKind = "leaf_angles";
-constexpr const char* kColumn = "fit";
 constexpr std::size_t kMostTiles = 8, kMostSegments = 16;
 constexpr std::uint64_t kEnoughRays = 5000000;  // of more, only each n-th part of a tile is read
 constexpr std::size_t kMostVoxels = 400000;
@@ -141,7 +140,7 @@ Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<
 
 std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view,
                    const std::optional<LnRatio>& normals) {
-  KeyBuilder key(kKind, kLeafAnglesVersion);
+  KeyBuilder key(kLeafAnglesKind, kLeafAnglesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels)).add(work.options.voxel_fit.sample_m);
   if (view) {
     add_beam(key, view->beam);
@@ -152,28 +151,6 @@ std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& 
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   return key.hex();
-}
-
-Result<LeafAngleFit> fit_from(const tile::ArraySet& arrays) {
-  RAYFIELD_ASSIGN(const auto f, arrays.column<double>(kColumn));
-  if (f.size() != 3 && f.size() != 4 && f.size() != 6 && f.size() != 7 && f.size() != 11)
-    return damaged(arrays, "the fit has another number of values");
-  if (!std::isfinite(f[0]) || std::abs(f[0]) > 3 || !(f[1] >= 0)) return damaged(arrays, "the fit cannot be");
-  LeafAngleFit fit{f[0], f[1], f[2] != 0};
-  // Before version 2 taken for that of spherical leaves; the others came with version 4, the leverage with 5, normals
-  // with 6.
-  if (f.size() > 3) fit.aspect.mean_cosine = f[3];
-  if (f.size() > 4) fit.aspect.apparent_side = f[4], fit.spherical_looks = f[5];
-  if (f.size() > 6) fit.leverage = f[6];
-  fit.wide_beams = f.size() > 7 ? f[7] != 0 : fit.spherical_looks == kSphericalLooksWide;
-  if (f.size() > 9 && f[9] != 0) fit.normals = LnRatio{f[8], f[9]};
-  if (f.size() > 10) fit.given = f[10] != 0;
-  if (!(fit.aspect.mean_cosine > 0 && fit.aspect.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
-  if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3) || !(fit.leverage >= 0))
-    return damaged(arrays, "the leaves' aspect cannot be");
-  if (fit.normals && (std::abs(fit.normals->value) > 3 || !(fit.normals->error > 0)))
-    return damaged(arrays, "leaves cannot be turned like that");
-  return fit;
 }
 
 }  // namespace
@@ -195,29 +172,18 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const Sample sample, make_sample(work, layout, ground, profile));
     RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo, normals));
-    tile::ArraySet arrays{.kind = kKind, .attributes = "{}"};
-    arrays.columns[kColumn] = std::vector<double>{fit.ln_ratio,
-                                                  fit.error,
-                                                  fit.measured ? 1.0 : 0.0,
-                                                  fit.aspect.mean_cosine,
-                                                  fit.aspect.apparent_side,
-                                                  fit.spherical_looks,
-                                                  fit.leverage,
-                                                  fit.wide_beams ? 1.0 : 0.0,
-                                                  fit.normals ? fit.normals->value : 0,
-                                                  fit.normals ? fit.normals->error : 0,
-                                                  fit.given ? 1.0 : 0.0};
-    return arrays;
+    return arrays_from_leaf_angles(fit);
   };
-  RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kKind, "block", key_of(work, with_echo, normals), make));
-  return fit_from(arrays);
+  RAYFIELD_ASSIGN(const tile::ArraySet arrays,
+                  work.files.get(kLeafAnglesKind, "block", key_of(work, with_echo, normals), make));
+  return leaf_angles_from_arrays(arrays);
 }
 
 Result<LeafAngleFit> read_leaf_angles(const tile::Store& store, const tile::ScanEntry& scan) {
   for (const tile::DerivedEntry& entry : scan.derived) {
-    if (entry.kind != kKind) continue;
+    if (entry.kind != kLeafAnglesKind) continue;
     RAYFIELD_ASSIGN(const tile::ArraySet arrays, store.read_derived(entry));
-    return fit_from(arrays);
+    return leaf_angles_from_arrays(arrays);
   }
   return LeafAngleFit{};
 }
