@@ -14,14 +14,14 @@ inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
 inline constexpr int kSpotsVersion = 1;
 inline constexpr int kEchoesVersion = 23;
-inline constexpr int kLeafAnglesVersion = 6;
+inline constexpr int kLeafAnglesVersion = 7;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 24;
+inline constexpr int kResultsVersion = 25;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 15;
-inline constexpr int kLeafByEstimateVersion = 11;
+inline constexpr int kLeafVersion = 16;
+inline constexpr int kLeafByEstimateVersion = 12;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,

@@ -43,8 +43,12 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
   EXPECT_EQ(a.wood_returned, b.wood_returned);
   ASSERT_EQ(a.leaf_normals.has_value(), b.leaf_normals.has_value());
-  if (a.leaf_normals) EXPECT_EQ(a.leaf_normals->value, b.leaf_normals->value);
-  if (a.leaf_normals) EXPECT_EQ(a.leaf_normals->error, b.leaf_normals->error);
+  if (a.leaf_normals) {
+    EXPECT_EQ(a.leaf_normals->value, b.leaf_normals->value);
+  }
+  if (a.leaf_normals) {
+    EXPECT_EQ(a.leaf_normals->error, b.leaf_normals->error);
+  }
 }
 
 TEST(EchoModelArrays, GiveBackTheModel) {
