@@ -46,7 +46,7 @@ Result<LeafAngleFit> leaf_angles_from_arrays(const tile::ArraySet& arrays) {
   if (!(fit.aspect.mean_cosine > 0 && fit.aspect.mean_cosine <= 1)) return damaged(arrays, "the mean cosine cannot be");
   if (!(fit.aspect.apparent_side > 0) || !(std::abs(fit.spherical_looks) < 3) || !(fit.leverage >= 0))
     return damaged(arrays, "the leaves' aspect cannot be");
-  if (fit.normals && (std::abs(fit.normals->value) > 3 || !(fit.normals->error > 0)))
+  if (fit.normals && (!(std::abs(fit.normals->value) <= 3) || !(fit.normals->error > 0)))
     return damaged(arrays, "leaves cannot be turned like that");
   return fit;
 }

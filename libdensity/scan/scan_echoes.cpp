@@ -52,14 +52,6 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
   return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
 }
 
-Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs) {
-  if (scan.dormant) return *scan.dormant ? Foliage::none : Foliage::likely;
-  const std::optional<double> latitude_deg = latitude_of(scan, crs);
-  if (!latitude_deg) return Foliage::unknown;
-  if (is_leafless_season(scan.date, *latitude_deg)) return Foliage::unlikely;
-  return is_full_leaf_season(scan.date, *latitude_deg) ? Foliage::likely : Foliage::unknown;
-}
-
 // One tile. Sums of integers, so that the order of the rays does not matter.
 Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, SampledEchoes& sampled) {
   RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
@@ -77,6 +69,14 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
 }
 
 }  // namespace
+
+Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs) {
+  if (scan.dormant) return *scan.dormant ? Foliage::none : Foliage::likely;
+  const std::optional<double> latitude_deg = latitude_of(scan, crs);
+  if (!latitude_deg) return Foliage::unknown;
+  if (is_leafless_season(scan.date, *latitude_deg)) return Foliage::unlikely;
+  return is_full_leaf_season(scan.date, *latitude_deg) ? Foliage::likely : Foliage::unknown;
+}
 
 Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
                                     std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view) {

@@ -33,6 +33,9 @@ bool has_thin_beam(const tile::ScanEntry& scan);
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
                                         const BeamOptions& options);
 
+/// Whether its vines bear leaves: as declared, else by the month at its latitude (`crs`: of the store).
+Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs);
+
 /// What the echoes of the scan mean (kind "echoes"); nothing if there are too few to say.
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
                                                 const CanopyProfile& profile, std::span<const WoodCylinder> wood,

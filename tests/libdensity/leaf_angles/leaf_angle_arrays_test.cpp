@@ -56,8 +56,8 @@ TEST(LeafAngleArrays, OfEarlierVersionsHaveFewerNumbers) {
 
 TEST(LeafAngleArrays, ThatCannotBeAreDamaged) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::pair<std::size_t, double>> cannot_be = {{0, kNaN}, {0, 4}, {1, -1}, {1, kNaN}, {3, 0}, {3, 2},
-                                                                 {4, 0},    {5, 9}, {6, -1}, {8, 7},    {9, -1}};
+  const std::vector<std::pair<std::size_t, double>> cannot_be = {
+      {0, kNaN}, {0, 4}, {1, -1}, {1, kNaN}, {3, 0}, {3, 2}, {4, 0}, {5, 9}, {6, -1}, {8, 7}, {8, kNaN}, {9, -1}};
   for (const auto& [place, value] : cannot_be) {
     tile::ArraySet arrays = arrays_from_leaf_angles(fit_of(LnRatio{0.5, 0.1}));
     auto numbers = arrays.column<double>("fit").value();

@@ -146,6 +146,20 @@ TEST(LeafAngleFit, WhatIsNotKnownOfTheAnglesIsAnErrorOfAreas) {
   EXPECT_NEAR(error_of(1.0, 0.05), 0.6 * std::hypot(0.05, 0.15), 1e-6);
 }
 
+TEST(LeafAngleFit, DirectionsAndNormalsThatDisagreeLeaveMoreError) {
+  LeafAngleFit fit;
+  fit.wide_beams = fit.measured = true, fit.ln_ratio = 1.0 + kSphericalLooksWide,
+  fit.spherical_looks = kSphericalLooksWide;
+  fit.error = 0, fit.normals = LnRatio{1.0, 0};
+  EXPECT_EQ(fit.disagreement(), 1);
+  const double agreed = fit.area_error();
+  EXPECT_NEAR(agreed, 0.6 / std::hypot(1 / 0.15, 1 / 0.3), 1e-9);
+  fit.ln_ratio -= 2 * std::hypot(0.15, 0.3);
+  EXPECT_NEAR(fit.disagreement(), 2, 1e-9);
+  ASSERT_EQ(fit.angles().type, LeafAngleType::ellipsoidal);
+  EXPECT_NEAR(fit.area_error(), 2 * agreed, 1e-9);
+}
+
 // Rays that go up to 15° up and down: what makes apparent density differ by a few per cent looks like a large ratio.
 TEST(LeafAngleFit, LevelRaysHaveToSayMore) {
   std::vector<DirectionLikelihood> level(8, DirectionLikelihood(std::nullopt));

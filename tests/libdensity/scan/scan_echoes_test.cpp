@@ -29,6 +29,22 @@ TEST(ScanEchoes, UnknownAndThinBeamsAddNoErrorAndHaveNoView) {
   EXPECT_EQ(view_of(scan_with(0, 0.001), {}, {}), nullptr);
 }
 
+TEST(ScanEchoes, WhetherThereAreLeavesIsAsDeclaredOrByTheMonth) {
+  tile::ScanEntry scan;
+  scan.date = "2020-01-20";
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::unknown);                                         // nowhere
+  scan.origin_bounds = {Eigen::Vector3d(276100, 6099900, 80), Eigen::Vector3d(276200, 6100000, 90)};  // 35° S
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::likely);
+  scan.dormant = true;
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::none);
+  scan.date = "2020-07-20", scan.dormant = false;
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::likely);
+  scan.dormant = std::nullopt;
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::unlikely);
+  scan.date = "2020-10-20";
+  EXPECT_EQ(foliage_of(scan, "EPSG:7854"), Foliage::unknown);
+}
+
 TEST(ScanEchoes, TheViewHoldsTheBeamUnlessTheOptionsRefuseIt) {
   BeamOptions options;
   options.range_resolution_m = 0.2;
