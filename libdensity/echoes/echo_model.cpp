@@ -19,19 +19,21 @@ constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: we
 constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
-// ln of a full echo over the mean one: without anything else, for each mean echo that the weakest
-// reach, for each side of a leaf that beams are wide (fading the more leaves make an echo together), and for wood among
-// the leaves
-// (over leafiness); relative errors of what comes of it, beside wood and of wood.
-constexpr double kAboveMean = 0.25, kWeakestAboveMean = -0.65, kWidthAboveMean = 0.95, kFadesPerLeaf = 0.75;
-constexpr double kWoodAboveMean = 0.5, kMeanEchoError = 0.045, kWoodInMeanEcho = 0.7;
+// ln of a full echo over the mean one: without anything else; for each side of a leaf that beams are wide (fading the
+// more leaves make an echo together); for how it goes with the angle of incidence, per unit of cosine over a full echo;
+// for each mean echo that the weakest reach; and for each unit of ln of the faint ones over the mean. Relative errors
+// of what comes of it, beside wood among the leaves and of wood (over leafiness).
+constexpr double kAboveMean = 0.02, kWidthAboveMean = 0.75, kFadesPerLeaf = 0.75, kAngleAboveMean = -0.08;
+constexpr double kWeakestAboveMean = -0.22, kFaintAboveMean = -0.37;
+constexpr double kMeanEchoError = 0.04, kWoodInMeanEcho = 0.7;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
 constexpr double kCutOfFull = 0.32;  // scatter of full echoes by what edges cut off, by the beam's width over a side
 constexpr double kUsualAngleDependence = 0.5, kUsualScatter = 0.15;
 constexpr double kMostAngleDependence = 0.9;  // a blade is not so flat that it vanishes when seen edge-on
-constexpr double kWeakestShare = 0.02;        // of the echoes lie below the detection share,
+constexpr double kFaintShare = 0.2;           // of the echoes are faint,
+constexpr double kWeakestShare = 0.02;        // and lie below the detection share,
 constexpr double kWeakest = 1.03;             // nearly: where they begin, in detection shares
 constexpr double kOneBeamsBeside = 0.2;       // or more, of the echoes
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
@@ -171,12 +173,16 @@ double width_above_mean(const EchoModel& model) {
   return kWidthAboveMean * widths_of_leaf(model) * std::exp(-kFadesPerLeaf * model.leaves_per_resolution);
 }
 
-/// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out").
-Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const EchoModel& model) {
+/// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out"): the more of them are
+/// faint, the more are in pieces.
+Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const FullEchoStrength& full,
+                        const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
-  const double above =
-      kAboveMean + kWeakestAboveMean * weakest / mean + width_above_mean(model) + kWoodAboveMean * wood;
-  return {mean * std::exp(above), std::hypot(kMeanEchoError, kWoodInMeanEcho * wood)};
+  const double faint = quantile(statistics.histogram(), kFaintShare);
+  const double above = kAboveMean + width_above_mean(model) + kAngleAboveMean * full.slope +
+                       kWeakestAboveMean * weakest / mean + kFaintAboveMean * std::log(std::max(1.0, faint) / mean);
+  const double error = std::hypot(kMeanEchoError, kAngleAboveMean * full.slope_error, kWoodInMeanEcho * wood);
+  return {mean * std::exp(above), error};
 }
 
 /// How differently bright the leaves are: as full echoes say, where there are enough, less what edges cut off those.
@@ -216,7 +222,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
     measure_leaves(statistics, known, model);
     if (known.full_echo > 0) break;
-    measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, model), model);
+    measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, full, model), model);
   }
   model.leaf_normals = fit_leaf_normals(statistics.full());
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);

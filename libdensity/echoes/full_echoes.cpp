@@ -31,6 +31,7 @@ constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 constexpr double kBrightest = 2;      // medians: what is brighter is no leaf
 constexpr double kOfMedian = 1.2533;  // error of a median over that of a mean
 constexpr double kFinest = 1e-3;
+constexpr std::size_t kEnoughForSlope = 10;  // the errors of fewer are not known, either
 
 /// Echoes in square columns, sorted by column and height.
 class EchoColumns {
@@ -293,7 +294,7 @@ std::vector<FullEcho> flattest_of(std::span<const FullEcho> echoes) {
 FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDependence& prior) {
   const std::vector<FullEcho> echoes = flattest_of(all);
   FullEchoStrength out;
-  out.count = echoes.size();
+  out.count = echoes.size(), out.slope = prior.slope, out.slope_error = prior.error;
   if (echoes.empty()) return out;
   std::vector<double> values;
   double cosine = 0;
@@ -306,19 +307,17 @@ FullEchoStrength full_echo_strength(std::span<const FullEcho> all, const AngleDe
   for (std::size_t way = 0; way < FullEcho::kWays; ++way)
     for (const std::size_t half : {std::size_t{0}, std::size_t{1}}) sum += contrast(echoes, way, half);
   const double span = sum.cosine / (2 * FullEcho::kWays);
-  out.slope = prior.slope;
-  double slope_error = prior.error;
-  if (span > 0.01) {
+  if (echoes.size() >= kEnoughForSlope && span > 0.01) {
     const double measured = sum.intensity / sum.cosine / middle;
     // Of the difference of two halves' medians.
     const double error = std::max(kFinest, 2 * kOfMedian * level.error / level.mean / span);
     const double weight = 1 / (error * error), prior_weight = 1 / (prior.error * prior.error);
     out.slope = (weight * measured + prior_weight * prior.slope) / (weight + prior_weight);
-    slope_error = 1 / std::sqrt(weight + prior_weight);
+    out.slope_error = 1 / std::sqrt(weight + prior_weight);
   }
   const double step = kSphericalMeanCosine - cosine;
   out.intensity = level.mean * (1 + out.slope * step), out.per_cosine = level.mean * out.slope;
-  out.error = std::hypot(level.error / level.mean, slope_error * step);
+  out.error = std::hypot(level.error / level.mean, out.slope_error * step);
   out.angle_dependence = std::clamp(out.slope / std::max(kFinest, 1 + out.slope * (1 - cosine)), 0.0, 1.0);
   out.scatter = scatter_about(echoes, level.mean, out.per_cosine, cosine, kBrightest * middle);
   return out;

@@ -50,7 +50,9 @@ struct FullEchoStrength {
   double intensity = 0;  ///< of an echo of leaves that take the whole beam, in the mean over the angles at which rays
                          ///< meet leaves
   double error = 0;      ///< its relative standard error
-  double slope = 0;  ///< per unit of the cosine of the angle of incidence, relative to the median of the full echoes
+  double slope = 0;  ///< per unit of the cosine of the angle of incidence, relative to the median of the full echoes;
+                     ///< of none the belief beforehand
+  double slope_error = 0;       ///< its standard error
   double per_cosine = 0;        ///< the same, in units of intensity
   double angle_dependence = 0;  ///< 0 … 1: what that slope means of 1 − this·(1 − cosine)
   double scatter = 0;           ///< of the full echoes about the slope, standard deviation over their mean

@@ -46,9 +46,19 @@ double add_ends_behind(EchoStatistics& statistics, int ends) {
   return ends / (1500.0 + ends) / 0.1;
 }
 
-// exp(0.25 − 0.65·weakest/mean + 0.95·(D/s)·exp(−0.75·n)), what 2 % do not reach being the weakest and n how many
-// leaves stand in one range resolution; wood adds 0.5 over the echoes for each of a beam that falls wholly on a post.
-TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWeakestTheWidthAndWood) {
+/// Of whole_leaves(), over their mean: what 2 % and what 20 % do not reach, of 0.7 … 1.3, evenly.
+constexpr double kWeakest = 0.7 + 0.6 * 0.02, kFaint = 0.7 + 0.6 * 0.2;
+/// Of the mean echo, where the angle dependence is 0.35 ± 0.35.
+const double kMeanError = std::hypot(0.04, 0.08 * 0.35);
+
+/// exp(0.02 + 0.75·(D/s)·exp(−0.75·n) − 0.08·slope − 0.22·weakest/mean − 0.37·ln(faint/mean)) of whole_leaves(), n
+/// being how many leaves stand in one range resolution.
+double above_mean(double widths, double leaves_per_resolution, double slope = 0.35) {
+  return std::exp(0.02 + 0.75 * widths * std::exp(-0.75 * leaves_per_resolution) - 0.08 * slope - 0.22 * kWeakest -
+                  0.37 * std::log(kFaint));
+}
+
+TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowFaintEchoesAre) {
   double per_metre = 0;
   const auto full_of = [&](double width_m, double range_resolution_m, std::uint64_t wood) {
     EchoStatistics statistics = whole_leaves(width_m, 0.5);
@@ -59,10 +69,8 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWeakestTheWidthAndWood) {
     known.range_resolution_m = range_resolution_m;
     return *estimate_echo_model(statistics, known);
   };
-  const double mean = kFull / 2, weakest = 0.7 + 0.6 * 0.02;  // of 0.7 … 1.3, evenly
   const auto above = [&](double width_m, double range_resolution_m) {
-    return mean *
-           std::exp(0.25 - 0.65 * weakest + 0.95 * width_m / 0.08 * std::exp(-0.75 * per_metre * range_resolution_m));
+    return kFull / 2 * above_mean(width_m / 0.08, per_metre * range_resolution_m);
   };
   for (const double width_m : {0.015, 0.025, 0.035})  // middles of bins
     for (const double range_resolution_m : {0.1, 0.3}) {
@@ -70,8 +78,8 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWeakestTheWidthAndWood) {
       EXPECT_NEAR(model.full_echo, above(width_m, range_resolution_m), 0.003 * kFull);
       EXPECT_NEAR(model.leaves_per_resolution, range_resolution_m / 0.3, 1e-9);  // 750 of 2250 in 10 cm
     }
-  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo, above(0.025, 0.1) * std::exp(0.5 / 20), 0.003 * kFull);
-  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(0.045, 0.7 / 20, 1.5 / 20), 1e-3);
+  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo, above(0.025, 0.1), 0.003 * kFull);
+  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(kMeanError, 0.7 / 20, 1.5 / 20), 1e-3);
 }
 
 TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {
@@ -91,15 +99,16 @@ TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {
   };
   EXPECT_EQ(model_with(9).full_echo, of_mean->full_echo);
   const double few = model_with(12).full_echo, many = model_with(4000).full_echo;
-  const double full_weight = 1 / (0.04 * 0.04), mean_weight = 1 / (0.045 * 0.045);
-  const double expected = (full_weight * kFull + mean_weight * of_mean->full_echo) / (full_weight + mean_weight);
+  // Many full echoes know that there is no angle dependence, too.
+  const double weight = 1 / (0.04 * 0.04), with_slope = kFull / 2 * above_mean(0.025 / 0.08, 0, 0);
+  const double expected = (kFull + with_slope) / 2;
   EXPECT_NEAR(many, expected, 0.02 * kFull);
   EXPECT_GT(std::abs(few - of_mean->full_echo), 0.2 * std::abs(many - of_mean->full_echo));
   EXPECT_LT(std::abs(few - of_mean->full_echo), 0.8 * std::abs(many - of_mean->full_echo));
   // They differ by ten times what their errors say, and so is the error of what comes of them.
-  const double apart = std::log(kFull / of_mean->full_echo) / std::hypot(0.04, 0.045);
+  const double apart = std::log(kFull / with_slope) / std::hypot(0.04, 0.04);
   EXPECT_GT(apart, 8);
-  EXPECT_NEAR(model_with(4000).full_echo_error, apart / std::sqrt(full_weight + mean_weight), 0.03);
+  EXPECT_NEAR(model_with(4000).full_echo_error, apart / std::sqrt(2 * weight), 0.03);
 }
 
 // Beams that fall wholly on a leaf are rare where they are as wide, and many that look like it are not.
@@ -124,10 +133,10 @@ TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
         const double lacks =
             1.8 * std::pow(width_m / 0.08, 2.5) * std::exp(-range_resolution_m / 0.15 - detection_share / 0.3);
         EXPECT_NEAR(model.lacking_share, lacks, 1e-3);
-        // The mean echo counts by its error of 4.5 %, full ones by 4 % and half of what they lack. No two leaves stand
-        // within one range resolution here.
-        const double full_weight = 1 / (0.04 * 0.04 + 0.25 * lacks * lacks), mean_weight = 1 / (0.045 * 0.045);
-        const double of_mean = kFull / 2 * std::exp(0.25 - 0.65 * 0.712 + 0.95 * width_m / 0.08);
+        // The mean echo counts by its error of 4 %, full ones by 4 % and half of what they lack. No two leaves stand
+        // within one range resolution here, and the angle does not count.
+        const double full_weight = 1 / (0.04 * 0.04 + 0.25 * lacks * lacks), mean_weight = 1 / (0.04 * 0.04);
+        const double of_mean = kFull / 2 * above_mean(width_m / 0.08, 0, 0);
         const double expected =
             (full_weight * kFull / (1 - lacks) + mean_weight * of_mean) / (full_weight + mean_weight);
         EXPECT_NEAR(model.full_echo, expected, 0.01 * kFull);
@@ -159,8 +168,8 @@ TEST(EchoModel, LeavesThatLieFlatAreLargerThanTheyLook) {
   EXPECT_NEAR(flat.leaf_size_m2, 0.0064, 1e-9);
   EXPECT_NEAR(flat.full_echo, 100 * (1 - lacking(0.06)) / (1 - lacking(0.08)), 1e-6);
   EXPECT_NEAR(flat.lacking_share, lacking(0.08), 1e-9);
-  model.mean_echo_weight = 0.4, model.leaves_per_resolution = 0.6;  // 0.95·(D/s)·exp(−0.75·n)
-  const double of_mean = std::exp(0.95 * (0.03 / 0.08 - 0.03 / 0.06) * std::exp(-0.75 * 0.6));
+  model.mean_echo_weight = 0.4, model.leaves_per_resolution = 0.6;  // 0.75·(D/s)·exp(−0.75·n)
+  const double of_mean = std::exp(0.75 * (0.03 / 0.08 - 0.03 / 0.06) * std::exp(-0.75 * 0.6));
   EXPECT_NEAR(with_aspect(model, {2.0 / 3, 0.75}).full_echo, 0.6 * flat.full_echo + 0.4 * 100 * of_mean, 1e-6);
   model.leaf_size_from = LeafSizeFrom::options;
   EXPECT_EQ(with_aspect(model, {2.0 / 3, 0.75}).leaf_size_m2, 0.0036);
@@ -178,7 +187,7 @@ TEST(EchoModel, FullEchoesTellHowTheyGoWithTheAngle) {
   }
   const auto model = estimate_echo_model(statistics, lidar(0.03));
   EXPECT_NEAR(model->full_echo, kFull * (0.3 + 0.7 * 2 / 3), 0.03 * kFull);
-  const double full_weight = 1 / (0.04 * 0.04), mean_weight = 1 / (0.045 * 0.045);  // the mean echo says nothing of it
+  const double full_weight = 1 / (0.04 * 0.04), mean_weight = 1 / (0.04 * 0.04);  // the mean echo says nothing of it
   EXPECT_NEAR(model->full_echo_per_cosine, 0.7 * kFull * full_weight / (full_weight + mean_weight), 0.1 * kFull);
 }
 

@@ -145,6 +145,15 @@ TEST(FullEchoStrength, WhereEchoesScatterTheBeliefCounts) {
   EXPECT_GT(s.error, 0.04);
 }
 
+TEST(FullEchoStrength, WhereTheyAreFewTheBeliefAboutTheAngleStands) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{9}}) {
+    const FullEchoStrength s = full_echo_strength(full_echoes(0.8, 0.01, count), {0.3, 0.2});
+    EXPECT_EQ(s.slope, 0.3);
+    EXPECT_EQ(s.slope_error, 0.2);
+  }
+  EXPECT_LT(full_echo_strength(full_echoes(0.8, 0.01, 4000), {0.3, 0.2}).slope_error, 0.1);
+}
+
 // Of a fifth of the full echoes three tenths are missing. What scatters intensities must not move the level then: a
 // median would be 1000 without scatter and 932 with it.
 TEST(FullEchoStrength, DoesNotDependOnWhatScattersIntensities) {
