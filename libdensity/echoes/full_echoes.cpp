@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include "libdensity/tiles/rounding.h"
@@ -25,81 +24,17 @@ constexpr double kStartM = 0.06;                  // along the beam: for the pla
 constexpr float kNearbyM = 0.15F;                 // and what is looked at at all
 constexpr float kSameDirection = 0.97F;           // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
-constexpr float kColumnM = 0.08F;  // side
-constexpr float kSlack = 1.001F;   // of distances that are only to leave out what is farther away
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 constexpr double kBrightest = 2;      // medians: what is brighter is no leaf
 constexpr double kOfMedian = 1.2533;  // error of a median over that of a mean
 constexpr double kFinest = 1e-3;
 constexpr std::size_t kEnoughForSlope = 10;  // the errors of fewer are not known, either
 
-/// Echoes in square columns, sorted by column and height.
-class EchoColumns {
-  using Place = std::pair<int, int>;
-  struct Placed {
-    int ix, iy;
-    const LeafEcho* echo;
-    auto key() const {
-      return std::tuple(ix, iy, echo->position.z(), echo->position.x(), echo->position.y(), echo->intensity,
-                        echo->direction.x(), echo->direction.y());
-    }
-  };
-  struct Column {
-    int ix, iy;
-    std::size_t begin, end;  // numbers of its echoes
-    Place place() const { return {ix, iy}; }
-  };
-
- public:
-  EchoColumns(std::span<const LeafEcho> echoes, float side_m) : side_m_(side_m) {
-    std::vector<Placed> placed;
-    placed.reserve(echoes.size());
-    for (const LeafEcho& e : echoes) placed.push_back({column_of(e.position.x()), column_of(e.position.y()), &e});
-    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.key() < b.key(); });
-    echoes_.reserve(echoes.size());
-    for (const Placed& p : placed) {
-      if (columns_.empty() || columns_.back().place() != Place(p.ix, p.iy))
-        columns_.push_back({p.ix, p.iy, echoes_.size(), 0});
-      echoes_.push_back(*p.echo), columns_.back().end = echoes_.size();
-    }
-  }
-  std::span<const LeafEcho> echoes() const { return echoes_; }
-
-  /// Calls visit(number of the echo), in the order of the numbers, for all in the box around `position`.
-  template <class Visit>
-  void for_near(const Eigen::Vector3f& position, const Eigen::Array3f& half_sides_m, Visit visit) const {
-    const Eigen::Array3f low = position.array() - half_sides_m, high = position.array() + half_sides_m;
-    for (int ix = column_of(low.x()); ix <= column_of(high.x()); ++ix) {
-      auto column = std::lower_bound(columns_.begin(), columns_.end(), Place(ix, column_of(low.y())),
-                                     [](const Column& c, const Place& at) { return c.place() < at; });
-      for (; column != columns_.end() && column->ix == ix && column->iy <= column_of(high.y()); ++column) {
-        const auto end = echoes_.begin() + static_cast<std::ptrdiff_t>(column->end);
-        auto it = std::lower_bound(echoes_.begin() + static_cast<std::ptrdiff_t>(column->begin), end, low.z(),
-                                   [](const LeafEcho& e, float z) { return e.position.z() < z; });
-        for (; it != end && it->position.z() <= high.z(); ++it) visit(static_cast<std::size_t>(it - echoes_.begin()));
-      }
-    }
-  }
-
- private:
-  int column_of(float metres) const { return floor_int(static_cast<double>(metres / side_m_)); }
-
-  float side_m_;
-  std::vector<LeafEcho> echoes_;
-  std::vector<Column> columns_;
-};
-
 /// Every other echo in the order of their places, every other two, and the odd ones of the one with the even ones of
 /// the other: no two of these ways to divide have more than half of a half in common.
 std::size_t halves_of(std::size_t number) {
   const std::size_t one = number & 1, two = number >> 1 & 1;
   return one | two << 1 | (one ^ two) << 2;
-}
-
-/// Half the sides of the box around the piece of a beam, to either side of an echo, in which its neighbours are.
-Eigen::Array3f half_sides(const Eigen::Vector3f& direction, double radius_m) {
-  const Eigen::Array3f along = direction.array().abs(), across = (1 - along.square()).max(0).sqrt();
-  return kSlack * (kNearbyM * along + static_cast<float>(radius_m) * across);
 }
 
 /// An echo near another one, seen along the other's beam.
@@ -250,8 +185,7 @@ Contrast contrast(std::span<const FullEcho> echoes, std::size_t way, std::size_t
 
 }  // namespace
 
-std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
-  const EchoColumns columns(all, kColumnM);
+std::vector<FullEcho> find_full_echoes(const EchoColumns& columns) {
   const std::span<const LeafEcho> echoes = columns.echoes();
   std::vector<FullEcho> out;
   std::vector<Neighbour> neighbours;
@@ -260,7 +194,7 @@ std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
     const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
     const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
     const double ring_m = kRingTo * width_m;
-    const float farthest_square = kSlack * static_cast<float>(ring_m * ring_m);
+    const float farthest_square = kBoxSlack * static_cast<float>(ring_m * ring_m);
     neighbours.clear();
     const auto visit = [&](std::size_t j) {
       const Eigen::Vector3f to = echoes[j].position - echo.position;
@@ -272,7 +206,7 @@ std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all) {
       const double distance = std::hypot(x, y) / width_m;
       if (distance < kRingTo) neighbours.push_back({x, y, static_cast<double>(along), distance, halves_of(j)});
     };
-    columns.for_near(echo.position, half_sides(echo.direction, ring_m), visit);
+    columns.for_near(echo.position, box_around_beam(echo.direction, kNearbyM, static_cast<float>(ring_m)), visit);
     FullEcho full{echo.intensity};
     Eigen::Matrix3d axes;
     axes << across.cast<double>(), third.cast<double>(), echo.direction.cast<double>();

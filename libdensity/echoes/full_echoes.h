@@ -6,20 +6,12 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include "libdensity/echoes/echo_columns.h"
 
 namespace rayfield::density {
 
 /// Mean cosine of the angle between rays and the normals of leaves that they meet, of leaves turned at random.
 inline constexpr double kSphericalMeanCosine = 2.0 / 3;
-
-/// An echo on a leaf.
-struct LeafEcho {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();   ///< from any fixed point nearby, m
-  Eigen::Vector3f direction = Eigen::Vector3f::Zero();  ///< of the beam
-  float width_m = 0;                                    ///< of the beam there
-  std::uint16_t intensity = 0;
-};
 
 /// One of a beam that fell wholly on a leaf. Cosines of the angle between the beam and the leaf's normal: from all
 /// echoes around it, and from either half of them, so that errors of the two are independent; halves of several ways to
@@ -39,7 +31,7 @@ struct FullEcho {
 /// The full echoes among those of one place: an echo is full when all round it, just outside its beam, other beams from
 /// about the same direction ended on one plane through it, and none inside ended elsewhere. In no order that depends on
 /// that of the echoes.
-std::vector<FullEcho> find_full_echoes(std::span<const LeafEcho> all);
+std::vector<FullEcho> find_full_echoes(const EchoColumns& columns);
 
 /// Those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them do
 /// not reach), so that bundles of canes are left out.

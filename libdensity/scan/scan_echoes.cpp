@@ -62,7 +62,7 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
-    sampled.statistics->add_full_echoes(find_full_echoes(sum.take_leaf_echoes()));
+    sampled.statistics->add_full_echoes(find_full_echoes(EchoColumns(sum.take_leaf_echoes())));
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};

@@ -33,8 +33,10 @@ std::vector<LeafEcho> leaf(double side_m, double angle_rad, std::uint64_t seed, 
   return echoes;
 }
 
+std::vector<FullEcho> full_of(const std::vector<LeafEcho>& echoes) { return find_full_echoes(EchoColumns(echoes)); }
+
 TEST(FullEchoes, AreInsideALeaf) {
-  const std::vector<FullEcho> full = find_full_echoes(leaf(0.10, 0, 1));
+  const std::vector<FullEcho> full = full_of(leaf(0.10, 0, 1));
   EXPECT_GT(full.size(), 10u);
   // Round a full one the leaf goes on for the ring's inner edge, in each sector of 60°.
   for (const FullEcho& e : full) EXPECT_LT(e.intensity, 50 - 1000 * 0.8 * kWidthM * std::cos(std::numbers::pi / 6) + 1);
@@ -44,7 +46,7 @@ TEST(FullEchoes, AreInsideALeaf) {
 TEST(FullEchoes, TellTheAngleOfTheLeaf) {
   double sum = 0, first = 0, second = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
-    for (const FullEcho& e : find_full_echoes(leaf(0.12, 0.7, seed)))
+    for (const FullEcho& e : full_of(leaf(0.12, 0.7, seed)))
       sum += static_cast<double>(e.cosine), first += static_cast<double>(e.half_cosine[0][0]),
           second += static_cast<double>(e.half_cosine[0][1]), ++count;
   ASSERT_GT(count, 100);
@@ -58,9 +60,9 @@ TEST(FullEchoes, TellWhichWayTheNormalPoints) {
   double upright = 0, tilted = 0, variance = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<LeafEcho> echoes = leaf(0.12, 0.7, seed);
-    for (const FullEcho& e : find_full_echoes(echoes)) upright += static_cast<double>(e.normal_up);
+    for (const FullEcho& e : full_of(echoes)) upright += static_cast<double>(e.normal_up);
     for (LeafEcho& e : echoes) std::swap(e.position.x(), e.position.z());
-    for (const FullEcho& e : find_full_echoes(echoes)) {
+    for (const FullEcho& e : full_of(echoes)) {
       tilted += static_cast<double>(e.normal_up), variance += static_cast<double>(e.normal_variance), ++count;
       EXPECT_EQ(e.ray_up, 0);
     }
@@ -72,11 +74,11 @@ TEST(FullEchoes, TellWhichWayTheNormalPoints) {
 }
 
 TEST(FullEchoes, AreNotOnLeavesAsSmallAsTheBeamNorOnCanes) {
-  EXPECT_TRUE(find_full_echoes(leaf(0.035, 0, 2)).empty());
+  EXPECT_TRUE(full_of(leaf(0.035, 0, 2)).empty());
   std::vector<LeafEcho> cane = leaf(0.3, 0, 3);
   std::erase_if(cane, [](const LeafEcho& e) { return std::abs(e.position.x()) > 0.012F; });
   EXPECT_GT(cane.size(), 60u);
-  EXPECT_TRUE(find_full_echoes(cane).empty());
+  EXPECT_TRUE(full_of(cane).empty());
 }
 
 TEST(FullEchoes, AreNotWhereABeamBesideEndedElsewhere) {
@@ -86,22 +88,22 @@ TEST(FullEchoes, AreNotWhereABeamBesideEndedElsewhere) {
     echoes.back().position.y() += 0.08F;
     echoes.back().position.x() += 0.004F;
   }
-  EXPECT_TRUE(find_full_echoes(echoes).empty());
+  EXPECT_TRUE(full_of(echoes).empty());
 }
 
 TEST(FullEchoes, OfOtherDirectionsAreNotNeighbours) {
   std::vector<LeafEcho> echoes = leaf(0.10, 0, 6);
   for (LeafEcho& e : echoes)
     if (e.intensity > 0) e.direction = Eigen::Vector3f::UnitX();  // all but the middle one, along the leaf
-  EXPECT_TRUE(find_full_echoes(echoes).empty());
+  EXPECT_TRUE(full_of(echoes).empty());
 }
 
 TEST(FullEchoes, AreTheSameInAnyOrder) {
   std::vector<LeafEcho> echoes = leaf(0.12, 0.4, 7);
-  const std::vector<FullEcho> full = find_full_echoes(echoes);
+  const std::vector<FullEcho> full = full_of(echoes);
   std::shuffle(echoes.begin(), echoes.end(), std::mt19937_64(8));
   EXPECT_FALSE(full.empty());
-  EXPECT_EQ(find_full_echoes(echoes), full);
+  EXPECT_EQ(full_of(echoes), full);
 }
 
 /// Full echoes of leaves that face the lidar more or less, `dark` of 1 at angles of 90°; angles are known to 0.15.
