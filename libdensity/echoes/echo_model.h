@@ -76,10 +76,10 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// the mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The
 /// other is the mean echo times exp(0.02 + 0.75·(D/s)·exp(−0.75·n) − 0.08·slope − 0.22·weakest/mean −
 /// 0.37·ln(faint/mean)), n how many leaves stand in a range resolution (b times ends_per_metre_behind()), the slope
-/// FullEchoStrength::slope, weakest and faint the strengths that 2 and 20 % of the echoes do not reach; 4 % off, and 0.7
-/// over the echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full echoes.
-/// What beams without an echo have met: unreturned_per_lost(), with the angle dependence and scatter of the full
-/// echoes.
+/// FullEchoStrength::slope, weakest and faint the strengths that 2 and 20 % of the echoes do not reach; 4 % off, and
+/// 0.7 over the echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full
+/// echoes. What beams without an echo have met: unreturned_per_lost(), with the angle dependence and scatter of the
+/// full echoes.
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by

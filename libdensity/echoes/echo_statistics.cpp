@@ -65,6 +65,7 @@ void EchoStatistics::merge(const EchoStatistics& other) {
   }
   for (std::size_t i = 0; i < kCosines; ++i) ground_[i].add(other.ground_[i].count, other.ground_[i].intensity);
   add_full_echoes(other.full_);
+  add_mixed_echoes(other.mixed_);
   wood_.add(other.wood_.count, other.wood_.intensity);
   same_beam_beside_ += other.same_beam_beside_;
   for (std::size_t i = 0; i < histogram_.size(); ++i) histogram_[i] += other.histogram_[i];

@@ -7,6 +7,7 @@
 
 #include "libdensity/echoes/full_echoes.h"
 #include "libdensity/echoes/leaf_size.h"
+#include "libdensity/echoes/mixed_echoes.h"
 
 namespace rayfield::density {
 
@@ -32,6 +33,8 @@ class EchoStatistics {
   void add_echo(std::uint16_t intensity, double width_m);
   /// Those of them of beams that fell wholly on a leaf.
   void add_full_echoes(std::span<const FullEcho> echoes) { full_.insert(full_.end(), echoes.begin(), echoes.end()); }
+  /// Those of them with neighbours before and behind them.
+  void add_mixed_echoes(const MixedEchoes& echoes) { mixed_ += echoes; }
   /// An echo of the ground, by the cosine of the beam to the ground's normal.
   void add_ground_echo(std::uint16_t intensity, double cosine);
   /// An echo of a beam that falls wholly on a known post or trunk.
@@ -46,6 +49,7 @@ class EchoStatistics {
   /// [bin of width]
   const std::array<Sum, kWidthBins>& all() const { return all_; }
   std::span<const FullEcho> full() const { return full_; }
+  const MixedEchoes& mixed() const { return mixed_; }
   /// How the ground's echoes depend on the angle, with an error for leaves' doing otherwise; the belief of those who
   /// have not looked where the ground is not seen both steeply and aslant.
   AngleDependence ground_dependence() const;
@@ -65,6 +69,7 @@ class EchoStatistics {
   std::array<Sum, kWidthBins> all_{};
   std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
   std::vector<FullEcho> full_;
+  MixedEchoes mixed_;
   Sum wood_;
   std::uint64_t same_beam_beside_ = 0;
   std::vector<std::uint32_t> histogram_;

@@ -17,7 +17,6 @@
 #include "libdensity/scan/estimation.h"
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/scan_leaf_angles.h"
-#include "libdensity/scan/scan_range_resolution.h"
 #include "libdensity/scan/scan_sides.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_voxel_size.h"
@@ -92,12 +91,9 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   RAYFIELD_ASSIGN(const CanopyProfile profile, profile_canopy(work, layout, surveyed.ground));
   // The published method counts every echo.
   const bool counts_echoes = work.options.estimator.estimator == Estimator::paper;
-  std::shared_ptr<const BeamView> view;
-  if (!counts_echoes) {
-    RAYFIELD_ASSIGN(view, view_with_resolution(work, surveyed));
-  }
-  RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed.ground, profile, scan.voxels.wood, view));
-  if (!scan.voxels.echoes) view = nullptr;
+  auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.survey, work.options.beam);
+  RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed, profile, scan.voxels.wood, view));
+  view = view_with(std::move(view), scan.voxels.echoes);
   RAYFIELD_ASSIGN(scan.voxels.leaf_angles, measure_leaf_angles(work, layout, surveyed.ground, profile, scan.voxels.wood,
                                                                view, scan.voxels.echoes));
   take_leaf_angles(scan.voxels);

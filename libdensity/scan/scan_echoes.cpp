@@ -62,7 +62,9 @@ Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccu
   if (sum.echo_statistics()) {
     if (!sampled.statistics) sampled.statistics.emplace();
     sampled.statistics->merge(*sum.echo_statistics());
-    sampled.statistics->add_full_echoes(find_full_echoes(EchoColumns(sum.take_leaf_echoes())));
+    const EchoColumns leaf_echoes(sum.take_leaf_echoes());
+    sampled.statistics->add_full_echoes(find_full_echoes(leaf_echoes));
+    sampled.statistics->add_mixed_echoes(find_mixed_echoes(leaf_echoes));
   }
   sampled.pairs += std::move(sum).finish().pairs;
   return {};
@@ -97,7 +99,7 @@ std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanS
   return std::make_shared<const BeamView>(beam_view(*scan.beam, SensorTrack(survey.path()), options));
 }
 
-Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
                                                 const CanopyProfile& profile, std::span<const WoodCylinder> wood,
                                                 const std::shared_ptr<const BeamView>& view) {
   if (!view) return std::nullopt;
@@ -108,26 +110,37 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   const Foliage foliage = foliage_of(work.scan, work.store.config().crs);
   key.add(static_cast<double>(foliage));
   add_beam(key, view->beam);
+  key.add(static_cast<double>(kSpotsVersion));
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
   const auto make = [&]() -> Result<tile::ArraySet> {
-    RAYFIELD_ASSIGN(const RowSegmentList row_segments,
-                    make_row_segments(layout, ground, profile, with_voxel_size(work.options.segments, sample_m)));
+    RAYFIELD_ASSIGN(
+        const RowSegmentList row_segments,
+        make_row_segments(layout, surveyed.ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
-    const BeamOptions& beam = work.options.beam;
-    auto model = sampled.statistics ? estimate_echo_model(*sampled.statistics,
-                                                          {view->beam, resolution_of(view->beam, beam), beam.full_echo,
-                                                           work.options.estimator.leaf_size_m2, foliage})
-                                    : std::nullopt;
+    if (!sampled.statistics) return arrays_from_echo_model(std::nullopt);
+    RAYFIELD_ASSIGN(const std::optional<double> resolution_m,
+                    range_resolution_of_scan(work, surveyed, *sampled.statistics));
+    auto model = estimate_echo_model(
+        *sampled.statistics, {view->beam, resolution_m.value_or(kTypicalResolution_m), work.options.beam.full_echo,
+                              work.options.estimator.leaf_size_m2, foliage});
     if (model) {
       model->lacks_downward_misses = work.voxels.sure_return_m > 0;
-      model->resolution_assumed = lacks_resolution(view->beam, beam);
+      model->resolution_assumed = !resolution_m;
     }
     return arrays_from_echo_model(model);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays, work.files.get(kEchoModelKind, "block", key.hex(), make));
   return echo_model_from_arrays(arrays);
+}
+
+std::shared_ptr<const BeamView> view_with(std::shared_ptr<const BeamView> view, const std::optional<EchoModel>& model) {
+  if (!view || !model) return nullptr;
+  BeamView known = *view;
+  known.beam.range_resolution_m = model->range_resolution_m;
+  known.behind_m = kBehindResolutions * model->range_resolution_m;
+  return std::make_shared<const BeamView>(std::move(known));
 }
 
 Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan) {
@@ -174,9 +187,12 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
                       model->full_echo, model->full_echo * model->full_echo_error, model->detection_share,
                       1e4 * model->leaf_size_m2);
   if (model->leaf_size_from == LeafSizeFrom::nothing) note += " (not measured: neighbouring beams are too far apart)";
-  if (model->resolution_assumed)
+  if (!model->resolution_assumed)
+    note += fmt::format(", range resolution {:.0f} cm", 100 * model->range_resolution_m);
+  else
     note += fmt::format(
-        "; how far apart its echoes are told is not known and no ground tells, so {:.0f} cm are assumed "
+        "; how far apart its echoes are told is not known, and neither echoes nor ground tell, so {:.0f} cm are "
+        "assumed "
         "(`lidar.range_resolution_m` of the rig)",
         100 * model->range_resolution_m);
   if (model->lacks_downward_misses)

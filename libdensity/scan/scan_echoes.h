@@ -8,6 +8,7 @@
 
 #include "libdensity/echoes/echo_model.h"
 #include "libdensity/ground/scan_survey.h"
+#include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_work.h"
 #include "libdensity/voxels/beam_view.h"
 #include "libdensity/voxels/canopy_profile.h"
@@ -37,9 +38,12 @@ std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanS
 Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs);
 
 /// What the echoes of the scan mean (kind "echoes"); nothing if there are too few to say.
-Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const GroundModel& ground,
+Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,
                                                 const CanopyProfile& profile, std::span<const WoodCylinder> wood,
                                                 const std::shared_ptr<const BeamView>& view);
+
+/// `view`, knowing the range resolution that the echoes were found to have; nullptr without a model.
+std::shared_ptr<const BeamView> view_with(std::shared_ptr<const BeamView> view, const std::optional<EchoModel>& model);
 
 /// The same from the files of a scan that was processed before.
 Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "libdensity/echoes/echo_model.h"
 #include "libdensity/echoes/ground_spots.h"
 #include "libdensity/scan/scan_echoes.h"
 #include "libdensity/scan/stage_versions.h"
@@ -62,7 +63,7 @@ std::optional<double> resolution_from(const std::vector<SpotLift>& lifts) {
   return resolution ? std::optional(resolution->value_m) : std::nullopt;
 }
 
-Result<std::optional<double>> measure_range_resolution(ScanWork& work, const SurveyedScan& surveyed) {
+Result<std::optional<double>> measure_on_ground(ScanWork& work, const SurveyedScan& surveyed) {
   const std::vector<tile::TileEntry> tiles = some_tiles(work.scan.tiles);
   KeyBuilder key(kKind, kSpotsVersion);
   add_beam(key, *work.scan.beam);
@@ -86,18 +87,18 @@ Result<std::optional<double>> measure_range_resolution(ScanWork& work, const Sur
 
 }  // namespace
 
-bool lacks_resolution(const LidarBeam& beam, const BeamOptions& options) {
-  return options.range_resolution_m == 0 && !beam.range_resolution_m && beam.diameter_at(kWideRangeM) >= kWideM &&
+bool ground_tells_resolution(const LidarBeam& beam, bool one_beam) {
+  return one_beam && beam.diameter_at(kWideRangeM) >= kWideM &&
          beam.returns.value_or(ReturnMode::first) == ReturnMode::first;
 }
 
-Result<std::shared_ptr<const BeamView>> view_with_resolution(ScanWork& work, const SurveyedScan& surveyed) {
-  const BeamOptions& options = work.options.beam;
-  if (!options.enabled || has_thin_beam(work.scan) || !lacks_resolution(*work.scan.beam, options))
-    return view_of(work.scan, surveyed.survey, options);
-  tile::ScanEntry scan = work.scan;
-  RAYFIELD_ASSIGN(scan.beam->range_resolution_m, measure_range_resolution(work, surveyed));
-  return view_of(scan, surveyed.survey, options);
+Result<std::optional<double>> range_resolution_of_scan(ScanWork& work, const SurveyedScan& surveyed,
+                                                       const EchoStatistics& statistics) {
+  if (work.options.beam.range_resolution_m > 0) return work.options.beam.range_resolution_m;
+  if (work.scan.beam->range_resolution_m) return work.scan.beam->range_resolution_m;
+  if (const std::optional<double> of_leaves = range_resolution_of(statistics.mixed())) return of_leaves;
+  if (!ground_tells_resolution(*work.scan.beam, sends_one_beam(statistics))) return std::nullopt;
+  return measure_on_ground(work, surveyed);
 }
 
 }  // namespace rayfield::density

@@ -1,19 +1,23 @@
 #pragma once
 
-#include <memory>
+#include <optional>
 
+#include "libdensity/echoes/echo_statistics.h"
 #include "libdensity/scan/scan_stages.h"
 #include "libdensity/scan/scan_work.h"
-#include "libdensity/voxels/beam_view.h"
+#include "rayfield/core/lidar_beam.h"
+#include "rayfield/density/options.h"
 
 namespace rayfield::density {
 
-/// Whether the ground should be asked for the range resolution of a beam: nothing says it, the beam is wide and its
-/// first echo is reported (deep spots of the strongest or the last do not lie nearer than their middle).
-bool lacks_resolution(const LidarBeam& beam, const BeamOptions& options);
+/// Whether the ground tells the range resolution of a beam: it is wide, its first echo is reported (deep spots of the
+/// strongest or the last do not lie nearer than their middle), and it goes all round, so that the ground is met
+/// steeply, too.
+bool ground_tells_resolution(const LidarBeam& beam, bool one_beam);
 
-/// view_of() the scan, with its range resolution measured on the ground where neither the options nor the scan say it
-/// (kind "spots"; docs/beams.md, "How well").
-Result<std::shared_ptr<const BeamView>> view_with_resolution(ScanWork& work, const SurveyedScan& surveyed);
+/// The range resolution of the scan's beam, as the options, the rig or SLAM say it; else from echoes of leaves; else
+/// from the ground (kind "spots"; docs/beams.md, "How it is taken out"); else nothing.
+Result<std::optional<double>> range_resolution_of_scan(ScanWork& work, const SurveyedScan& surveyed,
+                                                       const EchoStatistics& statistics);
 
 }  // namespace rayfield::density

@@ -129,26 +129,33 @@ TEST(ScanEchoes, AnAssumedRangeResolutionIsToldAndTrustedLess) {
   const auto error = [&] { return integration_with_beam(options, scan, model).shared_error; };
   const double known = error();
   EXPECT_EQ(beam_note(scan, model).find("range_resolution_m"), std::string::npos);
+  EXPECT_NE(beam_note(scan, model).find("range resolution 15 cm"), std::string::npos);
   model.resolution_assumed = true;
   EXPECT_NEAR(error(), std::hypot(known, 0.1), 1e-9);
   EXPECT_NE(beam_note(scan, model).find("15 cm are assumed"), std::string::npos) << beam_note(scan, model);
 }
 
-TEST(ScanEchoes, TheGroundIsAskedWhereNothingElseSaysTheRangeResolution) {
+TEST(ScanEchoes, TheGroundTellsTheRangeResolutionOfWideFirstEchoesThatAreSeenSteeplyToo) {
   const LidarBeam wide{0.0136, 0.0119, {}};
-  BeamOptions options;
-  EXPECT_TRUE(lacks_resolution(wide, options));
+  EXPECT_TRUE(ground_tells_resolution(wide, true));
+  EXPECT_FALSE(ground_tells_resolution(wide, false));
   LidarBeam other = wide;
-  for (const auto& [mode, asked] : {std::pair(ReturnMode::first, true), std::pair(ReturnMode::strongest, false),
+  for (const auto& [mode, tells] : {std::pair(ReturnMode::first, true), std::pair(ReturnMode::strongest, false),
                                     std::pair(ReturnMode::last, false)}) {
     other.returns = mode;
-    EXPECT_EQ(lacks_resolution(other, options), asked);
+    EXPECT_EQ(ground_tells_resolution(other, true), tells);
   }
-  other = wide, other.range_resolution_m = 0.2;
-  EXPECT_FALSE(lacks_resolution(other, options));
-  EXPECT_FALSE(lacks_resolution({0.005, 0.002, {}}, options));  // 15 mm at 5 m
-  options.range_resolution_m = 0.2;
-  EXPECT_FALSE(lacks_resolution(wide, options));
+  EXPECT_FALSE(ground_tells_resolution({0.005, 0.002, {}}, true));  // 15 mm at 5 m
+}
+
+TEST(ScanEchoes, VoxelsAreLookedAtWithTheRangeResolutionThatEchoesHave) {
+  const auto view = std::make_shared<const BeamView>(BeamView{.beam = {0.0136, 0.0119, {}}, .behind_m = 0.12});
+  EchoModel model;
+  model.range_resolution_m = 0.25;
+  EXPECT_NEAR(view_with(view, model)->behind_m, 0.8 * 0.25, 1e-12);
+  EXPECT_EQ(view_with(view, model)->beam.range_resolution_m, 0.25);
+  EXPECT_EQ(view_with(view, std::nullopt), nullptr);
+  EXPECT_EQ(view_with(nullptr, model), nullptr);
 }
 
 TEST(ScanEchoes, LastEchoesAreTrustedLess) {
