@@ -21,8 +21,9 @@ constexpr std::array kWithin = {0.60, 0.65, 0.70};
 constexpr std::array kFallsPerM = {0.0, 0.5, 1.0, 1.5, 2.0};
 constexpr std::array kBeyond = {0.06, 0.12, 0.18, 0.24, 0.30};
 constexpr double kGentlenessM = 0.015;
-constexpr double kFinestM = 0.04, kStepM = 0.005, kCoarsestM = 0.45;  // that are tried
-constexpr int kLeastGap = 4, kMostGap = 55;                           // cm, that count
+constexpr double kFinestM = 0.04, kStepM = 0.005;  // that are tried, so many
+constexpr int kSteps = 83;
+constexpr int kLeastGap = 4, kMostGap = 55;  // cm, that count
 constexpr double kLnLikelihoodOfTwoSigma = 2, kMostHalfWidthM = 0.03, kCoarsestTrustedM = 0.4;
 constexpr double kLateM = 0.022;  // fitted: of a spot a little deeper than the resolution hardly anything is missing
 
@@ -122,8 +123,8 @@ MixedEchoes find_mixed_echoes(const EchoColumns& echoes) {
 
 std::optional<double> range_resolution_of(const MixedEchoes& mixed) {
   std::vector<double> ln;
-  for (double b = kFinestM; b < kCoarsestM; b += kStepM) ln.push_back(best_ln_likelihood(mixed, b));
   const auto at = [](auto steps) { return kFinestM + kStepM * static_cast<double>(steps); };
+  for (int step = 0; step < kSteps; ++step) ln.push_back(best_ln_likelihood(mixed, at(step)));
   const auto best = std::max_element(ln.begin(), ln.end());
   const auto likely = [&](double l) { return l > *best - kLnLikelihoodOfTwoSigma; };
   const double low_m = at(std::find_if(ln.begin(), ln.end(), likely) - ln.begin());

@@ -93,7 +93,7 @@ Result<void> process_plants(ScanInWork& scan, tile::Store::DerivedWriter& writer
   const bool counts_echoes = work.options.estimator.estimator == Estimator::paper;
   auto view = counts_echoes ? nullptr : view_of(work.scan, surveyed.survey, work.options.beam);
   RAYFIELD_ASSIGN(scan.voxels.echoes, measure_echoes(work, layout, surveyed, profile, scan.voxels.wood, view));
-  view = view_with(std::move(view), scan.voxels.echoes);
+  view = view_with(view, scan.voxels.echoes);
   RAYFIELD_ASSIGN(scan.voxels.leaf_angles, measure_leaf_angles(work, layout, surveyed.ground, profile, scan.voxels.wood,
                                                                view, scan.voxels.echoes));
   take_leaf_angles(scan.voxels);

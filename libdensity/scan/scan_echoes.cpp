@@ -135,7 +135,8 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   return echo_model_from_arrays(arrays);
 }
 
-std::shared_ptr<const BeamView> view_with(std::shared_ptr<const BeamView> view, const std::optional<EchoModel>& model) {
+std::shared_ptr<const BeamView> view_with(const std::shared_ptr<const BeamView>& view,
+                                          const std::optional<EchoModel>& model) {
   if (!view || !model) return nullptr;
   BeamView known = *view;
   known.beam.range_resolution_m = model->range_resolution_m;

@@ -43,7 +43,8 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
                                                 const std::shared_ptr<const BeamView>& view);
 
 /// `view`, knowing the range resolution that the echoes were found to have; nullptr without a model.
-std::shared_ptr<const BeamView> view_with(std::shared_ptr<const BeamView> view, const std::optional<EchoModel>& model);
+std::shared_ptr<const BeamView> view_with(const std::shared_ptr<const BeamView>& view,
+                                          const std::optional<EchoModel>& model);
 
 /// The same from the files of a scan that was processed before.
 Result<std::optional<EchoModel>> read_echoes(const tile::Store& store, const tile::ScanEntry& scan);
