@@ -12,7 +12,7 @@
 namespace rayfield::density {
 namespace {
 
-constexpr std::uint64_t kEnoughEchoes = 5000;
+constexpr std::uint64_t kEnoughEchoes = 5000, kEnoughOfWood = 1000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6, kLeastWhereUnlikely = 8, kLeastWhereLikely = 3;
 constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: weaker ones are of canes
@@ -64,19 +64,6 @@ EchoStatistics::Sum sum_of(const Bins& bins) {
   EchoStatistics::Sum sum;
   for (const auto& bin : bins) sum.add(bin.count, bin.intensity);
   return sum;
-}
-
-/// Intensity that a share of the echoes does not reach.
-double quantile(const std::vector<std::uint32_t>& histogram, double share) {
-  double total = 0, below = 0;
-  for (const std::uint32_t count : histogram) total += count;
-  for (std::size_t i = 0; i < histogram.size(); ++i) {
-    const double count = histogram[i];
-    if (below + count >= share * total && count > 0)
-      return static_cast<double>(i) - 0.5 + (share * total - below) / count;  // whole numbers stand for a unit
-    below += count;
-  }
-  return 0;
 }
 
 double variation_of(const std::vector<std::uint32_t>& histogram) {
@@ -178,7 +165,7 @@ double width_above_mean(const EchoModel& model) {
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const FullEchoStrength& full,
                         const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
-  const double faint = quantile(statistics.histogram(), kFaintShare);
+  const double faint = strength_quantile(statistics.histogram(), kFaintShare);
   const double above = kAboveMean + width_above_mean(model) + kAngleAboveMean * full.slope +
                        kWeakestAboveMean * weakest / mean + kFaintAboveMean * std::log(std::max(1.0, faint) / mean);
   const double error = std::hypot(kMeanEchoError, kAngleAboveMean * full.slope_error, kWoodInMeanEcho * wood);
@@ -216,7 +203,7 @@ void measure_full_echo(const EchoStatistics& statistics, const FullEchoStrength&
 EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
   model.leaves_per_resolution = known.range_resolution_m * ends_per_metre_behind(statistics.pairs_from(0));
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
-  const double weakest = quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
+  const double weakest = strength_quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
   const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());
   for (int round = 0; round < kRounds; ++round) {
     model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
@@ -232,7 +219,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
 }
 
 std::optional<EchoModel> model_of_wood(const EchoStatistics& statistics, const EchoKnowledge& known, EchoModel model) {
-  const double weakest = quantile(statistics.histogram(), kWeakestShare) / kWeakest;
+  const double weakest = strength_quantile(statistics.histogram(), kWeakestShare) / kWeakest;
   const auto wood = wood_echoes(statistics, sum_of(statistics.all()).mean(), weakest);
   if (!wood) return std::nullopt;
   model.full_echo = known.full_echo > 0 ? known.full_echo : wood->full_echo;
@@ -267,12 +254,13 @@ bool sends_one_beam(const EchoStatistics& statistics) {
 }
 
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known) {
-  if (statistics.echoes() < kEnoughEchoes) return std::nullopt;
+  if (statistics.echoes() < kEnoughOfWood) return std::nullopt;
   EchoModel model{known.beam, known.range_resolution_m};
   model.echo_variation = variation_of(statistics.histogram());
   if (!(model.echo_variation > 1e-4)) return std::nullopt;  // a lidar that tells no intensity
   model.mean_width_m = mean_width(statistics.all());
   if (!shows_leaves(statistics, known.foliage)) return model_of_wood(statistics, known, model);
+  if (statistics.echoes() < kEnoughEchoes) return std::nullopt;
   const EchoModel of_leaves = model_of_leaves(statistics, known, model);
   const bool may_be_canes = known.full_echo <= 0 && known.foliage != Foliage::likely;
   const bool of_canes = may_be_canes && of_leaves.full_echo < kLeastOverWood * statistics.wood().mean();

@@ -64,7 +64,7 @@ struct EchoKnowledge {
 /// Whether the lidar sends one beam after the other, so that the previous one is the one beside: of a scan, or a tile.
 bool sends_one_beam(const EchoStatistics& statistics);
 
-/// Nothing where the echoes do not tell: too few, or all of one intensity.
+/// Nothing where the echoes do not tell: too few (5000 of leaves, 1000 of bare vines), or all of one intensity.
 ///
 /// Of bare vines, and where fewer than six echoes are to one of a beam that falls wholly on a post or trunk (eight
 /// where leaves are unlikely, three where they are likely), or the full echo comes out below 0.55 of that of posts and

@@ -21,6 +21,11 @@ std::size_t bin_of(double width_m) {
 
 }  // namespace
 
+void EchoStatistics::Stems::merge(const Stems& other) {
+  full.add(other.full.count, other.full.intensity);
+  for (std::size_t i = 0; i < histogram.size(); ++i) histogram[i] += other.histogram[i];
+}
+
 EchoStatistics::EchoStatistics() : histogram_(kIntensities, 0), pairs_(kLevels) {}
 
 void EchoStatistics::add_echo(std::uint16_t intensity, double width_m) {
@@ -30,6 +35,12 @@ void EchoStatistics::add_echo(std::uint16_t intensity, double width_m) {
 
 void EchoStatistics::add_ground_echo(std::uint16_t intensity, double cosine) {
   ground_[static_cast<std::size_t>(std::clamp(static_cast<int>(cosine * kCosines), 0, kCosines - 1))].add(1, intensity);
+}
+
+void EchoStatistics::add_stem_echo(std::uint16_t intensity, const OnStem& place) {
+  Stems& stems = place.of_trunk ? trunks_ : posts_;
+  if (place.is_full) stems.full.add(1, intensity);
+  if (place.above_grass) ++stems.histogram[intensity];
 }
 
 AngleDependence EchoStatistics::ground_dependence() const {
@@ -66,10 +77,16 @@ void EchoStatistics::merge(const EchoStatistics& other) {
   for (std::size_t i = 0; i < kCosines; ++i) ground_[i].add(other.ground_[i].count, other.ground_[i].intensity);
   add_full_echoes(other.full_);
   add_mixed_echoes(other.mixed_);
-  wood_.add(other.wood_.count, other.wood_.intensity);
+  posts_.merge(other.posts_), trunks_.merge(other.trunks_);
   same_beam_beside_ += other.same_beam_beside_;
   for (std::size_t i = 0; i < histogram_.size(); ++i) histogram_[i] += other.histogram_[i];
   for (std::size_t i = 0; i < pairs_.size(); ++i) pairs_[i] += other.pairs_[i];
+}
+
+EchoStatistics::Sum EchoStatistics::wood() const {
+  Sum sum = posts_.full;
+  sum.add(trunks_.full.count, trunks_.full.intensity);
+  return sum;
 }
 
 std::uint64_t EchoStatistics::echoes() const {
@@ -80,6 +97,18 @@ LeafSizePairs EchoStatistics::pairs_from(double intensity) const {
   LeafSizePairs sum;
   for (int level = level_of(intensity); level < kLevels; ++level) sum += pairs_[level];
   return sum;
+}
+
+double strength_quantile(std::span<const std::uint32_t> histogram, double share) {
+  double total = 0, below = 0;
+  for (const std::uint32_t count : histogram) total += count;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    const double count = histogram[i];
+    if (below + count >= share * total && count > 0)
+      return static_cast<double>(i) - 0.5 + (share * total - below) / count;
+    below += count;
+  }
+  return 0;
 }
 
 }  // namespace rayfield::density

@@ -27,6 +27,21 @@ class EchoStatistics {
     bool operator==(const Sum&) const = default;
   };
 
+  /// Where a beam ended on a known post or trunk.
+  struct OnStem {
+    bool of_trunk = false;
+    bool is_full = false;     ///< the beam fell wholly on it
+    bool above_grass = true;  ///< what grows at its foot is not in the echo
+  };
+  /// Echoes on known posts, or on known trunks.
+  struct Stems {
+    Sum full;                              ///< of beams that fell wholly on one
+    std::vector<std::uint32_t> histogram;  ///< of all above grass: [intensity], number of echoes
+    Stems() : histogram(kIntensities, 0) {}
+    void merge(const Stems& other);
+    bool operator==(const Stems&) const = default;
+  };
+
   EchoStatistics();
 
   /// An echo on a leaf of a beam that is `width_m` wide there.
@@ -37,8 +52,8 @@ class EchoStatistics {
   void add_mixed_echoes(const MixedEchoes& echoes) { mixed_ += echoes; }
   /// An echo of the ground, by the cosine of the beam to the ground's normal.
   void add_ground_echo(std::uint16_t intensity, double cosine);
-  /// An echo of a beam that falls wholly on a known post or trunk.
-  void add_wood_echo(std::uint16_t intensity) { wood_.add(1, intensity); }
+  /// An echo on a known post or trunk.
+  void add_stem_echo(std::uint16_t intensity, const OnStem& place);
   /// A pair of neighbouring beams (LeafSizePairs::add); `second`: intensity of the next ray's echo, if it `hit`.
   void add_pair(std::uint16_t first, std::uint16_t second, double distance_m, double delta_m, bool hit);
   /// That one beam turned from one ray of such a pair to the other, which went past within 4 cm.
@@ -53,8 +68,10 @@ class EchoStatistics {
   /// How the ground's echoes depend on the angle, with an error for leaves' doing otherwise; the belief of those who
   /// have not looked where the ground is not seen both steeply and aslant.
   AngleDependence ground_dependence() const;
+  const Stems& posts() const { return posts_; }
+  const Stems& trunks() const { return trunks_; }
   /// Echoes of beams that fell wholly on known posts and trunks.
-  const Sum& wood() const { return wood_; }
+  Sum wood() const;
   /// Of lidars with one beam most echoes have one, of lidars with several at a time few.
   std::uint64_t same_beam_beside() const { return same_beam_beside_; }
   /// [intensity]: number of echoes
@@ -70,10 +87,13 @@ class EchoStatistics {
   std::array<Sum, kCosines> ground_{};  // [bin of the cosine]
   std::vector<FullEcho> full_;
   MixedEchoes mixed_;
-  Sum wood_;
+  Stems posts_, trunks_;
   std::uint64_t same_beam_beside_ = 0;
   std::vector<std::uint32_t> histogram_;
   std::vector<LeafSizePairs> pairs_;  // [level]: rays by the level of the first echo, ends by the weaker one's
 };
+
+/// Intensity that a share of the echoes of a histogram does not reach; whole numbers stand for a unit. 0 of none.
+double strength_quantile(std::span<const std::uint32_t> histogram, double share);
 
 }  // namespace rayfield::density

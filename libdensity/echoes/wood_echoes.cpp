@@ -2,13 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 
 namespace rayfield::density {
 namespace {
 
 constexpr std::int64_t kEnoughOnPosts = 200;
-constexpr double kMissing = 4.0, kMissingPower = 3, kLeastReturned = 0.25;
+constexpr std::uint64_t kEnoughToCompare = 100;
+constexpr double kBrightShare = 0.95;  // of the echoes on trunks, or posts, are weaker than the bright ones
+constexpr double kDarkestTrunks = 0.4, kBrightestTrunks = 2.5;  // over posts
+constexpr double kMissing = 3.7, kMissingPower = 3, kLeastReturned = 0.25;
 constexpr double kError = 0.3, kErrorOfMissing = 0.4;
+
+std::uint64_t echoes_on(const EchoStatistics::Stems& stems) {
+  return std::accumulate(stems.histogram.begin(), stems.histogram.end(), std::uint64_t{0});
+}
+
+double trunks_over_posts(const EchoStatistics& statistics) {
+  const double trunks = strength_quantile(statistics.trunks().histogram, kBrightShare);
+  const double posts = strength_quantile(statistics.posts().histogram, kBrightShare);
+  return posts > 0 ? std::clamp(trunks / posts, kDarkestTrunks, kBrightestTrunks) : 1;
+}
+
+/// Of beams that fall wholly on wood like that of the trunks.
+double full_echo_of_trunks(const EchoStatistics& statistics) {
+  const auto least = std::min(echoes_on(statistics.trunks()), echoes_on(statistics.posts()));
+  if (least < kEnoughToCompare || statistics.posts().full.count < kEnoughOnPosts) return statistics.wood().mean();
+  return statistics.posts().full.mean() * trunks_over_posts(statistics);
+}
 
 }  // namespace
 
@@ -16,7 +38,8 @@ std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double m
   if (statistics.wood().count < kEnoughOnPosts || !(weakest > 0) || !(mean > 0)) return std::nullopt;
   const double above_weakest = std::max(1.0, mean / weakest);
   const double returned = std::max(kLeastReturned, std::exp(-kMissing / std::pow(above_weakest, kMissingPower)));
-  return WoodEchoes{statistics.wood().mean(), returned, std::hypot(kError, kErrorOfMissing * std::log(returned))};
+  return WoodEchoes{full_echo_of_trunks(statistics), returned,
+                    std::hypot(kError, kErrorOfMissing * std::log(returned))};
 }
 
 }  // namespace rayfield::density

@@ -8,7 +8,7 @@ namespace rayfield::density {
 
 /// What the echoes of bare vines mean: canes, cordons and wires, most of them thinner than the beam.
 struct WoodEchoes {
-  double full_echo = 0;  ///< mean intensity of the echoes of beams that fall wholly on posts and trunks
+  double full_echo = 0;  ///< mean intensity of an echo of thin wood that takes the whole beam
   /// Share of the strength that thin wood throws back that is in echoes; the rest is in pieces too weak for one.
   double returned_share = 1;
   /// Relative standard error of thin wood by it: 0.3, and 0.4 of what the returned share makes up for (its −ln); on the
@@ -20,9 +20,13 @@ struct WoodEchoes {
 /// A cane across the middle of the beam takes 4·d/(π·D) of it (d its diameter, D the beam's), and less beside. All of
 /// that is in echoes where it is large beside the detection share, and nothing where it is not; how large it is shows
 /// in x, the mean strength of the echoes over `weakest`, the intensity where they begin. Vines have thick wood, too,
-/// which is in the mean when canes are in no echo: exp(−4/x³), at least ¼. A fit to 54 simulated scans of bare vines,
-/// 12 of them with wood of 0.78 of the posts' brightness, has 4.9; 4 was chosen in view of a second simulator's vines.
-/// Nothing where fewer than 200 beams fell wholly on posts and trunks.
+/// which is in the mean when canes are in no echo: exp(−3.7/x³), at least ¼, fitted to 32 simulated scans of bare vines
+/// (docs/beams.md, "How well").
+///
+/// Thin wood is as bright as the trunks, which are narrow for a beam to fall wholly on: what 95 % of the echoes on them
+/// do not reach, over what 95 % of those on posts do not, times the mean echo of the beams that fall wholly on posts
+/// (0.4 to 2.5 times it). Where trunks or posts have fewer than 100 echoes, or posts fewer than 200 of such beams, it
+/// is the mean of those that fall wholly on either. Nothing where fewer than 200 beams fell wholly on posts and trunks.
 std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest);
 
 }  // namespace rayfield::density

@@ -180,7 +180,7 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
   if (model->wood_returned)
     return note +
            fmt::format(
-               "which is taken out as of bare vines, whose canes are taken to be as bright as posts and trunks: a "
+               "which is taken out as of bare vines, whose canes are taken to be as bright as trunks: a "
                "full echo is {:.0f}, the weakest {:.2f} of it, and {:.0f} % of what canes take is in echoes; what "
                "is left is about {:.0f} %, in the intervals",
                model->full_echo, model->detection_share, 100 * *model->wood_returned, 100 * error);

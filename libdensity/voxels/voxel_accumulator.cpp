@@ -17,7 +17,8 @@
 namespace rayfield::density {
 namespace {
 
-constexpr double kFreshM = 1.5;  // inside grids, for DirectionCounters of beams that are not thin
+constexpr double kFreshM = 1.5;   // inside grids, for DirectionCounters of beams that are not thin
+constexpr double kGrassM = 0.25;  // above the ground, what grows at the foot of posts and trunks
 
 /// Whether a place is among a share of all places, in squares of half a metre.
 bool is_kept(const Eigen::Vector2d& place, double share) {
@@ -157,8 +158,11 @@ void VoxelAccumulator::for_rays(const tile::SegmentBatch& segments, Meet meet) {
 void VoxelAccumulator::add_echo(const Ray& ray, const Counted& counted) {
   const double width_m = geometry_->view->beam.diameter_at(ray.range_m + ray.length);
   if (counted.wood != nullptr) {
-    const double beside = distance_from_axis(*counted.wood, ray.origin, ray.direction);
-    if (beside + width_m / 2 < counted.wood->radius_m) statistics_->add_wood_echo(ray.intensity);
+    const WoodCylinder& wood = *counted.wood;
+    const double beside = distance_from_axis(wood, ray.origin, ray.direction);
+    const double up = (ray.origin + ray.length * ray.direction - wood.base).dot(wood.axis);
+    statistics_->add_stem_echo(ray.intensity,
+                               {wood.is_trunk(), beside + width_m / 2 < wood.radius_m, /*above_grass=*/up > kGrassM});
   }
   if (counted.on_ground) statistics_->add_ground_echo(ray.intensity, geometry_->ground.cosine_to(ray.direction));
   if (!counted.hit) return;

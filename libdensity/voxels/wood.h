@@ -16,6 +16,8 @@ struct WoodCylinder {
   double radius_m = 0.05;
   double length_m = 0;  ///< from base to top along the axis
   double bend_m = 0;    ///< how far the true axis may stray from this one; widens what is masked, not its surface
+  /// Posts stand straight.
+  bool is_trunk() const { return bend_m > 0; }
 };
 
 /// Posts and trunks of the layout as cylinders that stand on the ground: posts with their lean, trunks upright, with 2

@@ -9,6 +9,8 @@
 namespace rayfield::density {
 namespace {
 
+constexpr EchoStatistics::OnStem kOnPost{.of_trunk = false, .is_full = true};
+
 constexpr double kFull = 3000;
 
 /// Echoes of beams `width_m` wide from leaves that are differently bright, each whole; pairs that tell no size.
@@ -64,7 +66,7 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowFaintEchoesAre) {
     EchoStatistics statistics = whole_leaves(width_m, 0.5);
     add_close_pairs(statistics);
     per_metre = add_ends_behind(statistics, 750);
-    for (std::uint64_t i = 0; i < wood; ++i) statistics.add_wood_echo(static_cast<std::uint16_t>(kFull / 2));
+    for (std::uint64_t i = 0; i < wood; ++i) statistics.add_stem_echo(static_cast<std::uint16_t>(kFull / 2), kOnPost);
     EchoKnowledge known = lidar(width_m);
     known.range_resolution_m = range_resolution_m;
     return *estimate_echo_model(statistics, known);
@@ -199,7 +201,7 @@ TEST(EchoModel, LidarsWithOneBeamAreToldByThePreviousBeam) {
 }
 
 void add_posts(EchoStatistics& statistics, int echoes) {
-  for (int i = 0; i < echoes; ++i) statistics.add_wood_echo(static_cast<std::uint16_t>(kFull));
+  for (int i = 0; i < echoes; ++i) statistics.add_stem_echo(static_cast<std::uint16_t>(kFull), kOnPost);
 }
 
 TEST(EchoModel, WhereMostIsWoodPostsTellAFullEcho) {

@@ -21,7 +21,7 @@ void fill(EchoStatistics& statistics, LeafSizePairs* pairs, int count, std::uint
     statistics.add_echo(first, 0.05 * uniform(rng));
     if (i % 5 == 0) statistics.add_full_echoes(std::vector{FullEcho{second, 0.01F, static_cast<float>(uniform(rng))}});
     if (i % 3 == 0) statistics.add_ground_echo(second, uniform(rng));
-    if (i % 7 == 0) statistics.add_wood_echo(second);
+    if (i % 7 == 0) statistics.add_stem_echo(second, {i % 2 == 0, i % 3 == 0, i % 4 != 0});
     statistics.add_pair(first, second, distance, delta, hit);
     if (pairs != nullptr) pairs->add(distance, delta, hit);
   }

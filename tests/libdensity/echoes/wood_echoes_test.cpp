@@ -7,9 +7,12 @@
 namespace rayfield::density {
 namespace {
 
+constexpr EchoStatistics::OnStem kOnPost{.of_trunk = false, .is_full = true};
+
 EchoStatistics posts(int count) {
   EchoStatistics statistics;
-  for (int i = 0; i < count; ++i) statistics.add_wood_echo(static_cast<std::uint16_t>(i % 2 == 0 ? 900 : 1100));
+  for (int i = 0; i < count; ++i)
+    statistics.add_stem_echo(static_cast<std::uint16_t>(i % 2 == 0 ? 900 : 1100), kOnPost);
   return statistics;
 }
 
@@ -21,13 +24,54 @@ TEST(WoodEchoes, PostsAreFull) {
   EXPECT_FALSE(wood_echoes(posts(1000), 500, 0));
 }
 
-// exp(−4.0/x³), x the mean over the weakest.
+/// Echoes on stems, evenly between two strengths; one in ten of a beam that fell wholly on one, in the middle of them.
+void add_stems(EchoStatistics& statistics, bool of_trunk, int count, int from, int to) {
+  for (int i = 0; i < count; ++i) {
+    statistics.add_stem_echo(static_cast<std::uint16_t>(from + (to - from) * i / (count - 1)), {.of_trunk = of_trunk});
+    if (i % 10 == 0)
+      statistics.add_stem_echo(static_cast<std::uint16_t>((from + to) / 2), {of_trunk, true, /*above_grass=*/false});
+  }
+}
+
+TEST(WoodEchoes, CanesAreAsBrightAsTrunks) {
+  for (const double trunks_over_posts : {0.6, 1.0, 1.5}) {
+    EchoStatistics statistics;
+    add_stems(statistics, false, 3000, 500, 1500);
+    const auto scaled = [&](int strength) { return static_cast<int>(std::lround(trunks_over_posts * strength)); };
+    add_stems(statistics, true, 1000, scaled(500), scaled(1500));
+    EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 1000 * trunks_over_posts, 2);
+  }
+}
+
+TEST(WoodEchoes, FewTrunksTellNothingOfBrightness) {
+  EchoStatistics statistics;
+  add_stems(statistics, false, 3000, 500, 1500);
+  add_stems(statistics, true, 90, 200, 600);
+  EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, (300 * 1000 + 9 * 400) / 309.0, 1e-9);  // all full ones
+}
+
+TEST(WoodEchoes, TrunksAreNotTakenForAnything) {
+  EchoStatistics statistics;
+  add_stems(statistics, false, 3000, 500, 1500);
+  add_stems(statistics, true, 3000, 5000, 15000);
+  EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 2500, 1);
+}
+
+TEST(WoodEchoes, WhatGrowsAtTheFootDoesNotCount) {
+  EchoStatistics statistics;
+  add_stems(statistics, false, 3000, 500, 1500);
+  add_stems(statistics, true, 1000, 500, 1500);
+  for (int i = 0; i < 1000; ++i) statistics.add_stem_echo(9000, {true, false, /*above_grass=*/false});
+  EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 1000, 2);
+}
+
+// exp(−3.7/x³), x the mean over the weakest.
 TEST(WoodEchoes, TheWeakerTheyAreTheMoreIsMissing) {
   const auto returned = [](double mean) { return wood_echoes(posts(1000), mean, 100)->returned_share; };
-  EXPECT_NEAR(returned(200), std::exp(-4.0 / 8), 1e-9);
-  EXPECT_NEAR(returned(300), std::exp(-4.0 / 27), 1e-9);
+  EXPECT_NEAR(returned(200), std::exp(-3.7 / 8), 1e-9);
+  EXPECT_NEAR(returned(300), std::exp(-3.7 / 27), 1e-9);
   EXPECT_GT(returned(1000), 0.99);
-  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.3, 0.4 * 4.0 / 8), 1e-9);
+  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.3, 0.4 * 3.7 / 8), 1e-9);
   EXPECT_EQ(returned(90), 0.25);  // a mean below the weakest cannot be
 }
 
