@@ -72,13 +72,16 @@ testing::Drive narrow_drive(sim::LeafAngles angles) {
   sim::Site site = site_with(angles);
   site.canopy.leaf_area_m2_per_m = 3.5;
   site.lidar.beam_diameter_m = 0.008, site.lidar.divergence_mrad = 2;
+  site.lidar.keeps_downward_misses = true;  // as of a registered log
+  site.spinning.beams = 286;                // so that there are full echoes
   site.lidar.detection_share = 0.39, site.lidar.detection = sim::Detection::returned_energy;
   return drive_past(site);
 }
 
 // Beams that have come deep have lost of themselves, however narrow, and level ones come deeper than steep ones: that
-// is not how leaves are turned. Taken for it, spherical leaves read 1.5 of their area. Two short rows have only one or
-// two full echoes, so that the mean echo alone tells what one is, to 13 and 17 %: spherical leaves read 1.23.
+// is not how leaves are turned. Taken for it, spherical leaves read 1.5 of their area. (With half of the rays the two
+// short rows have one or two full echoes, the mean echo alone tells what one is, 8 % too little, and spherical leaves
+// read 1.18, as far off as their interval says.)
 TEST(LeafAnglesOfABlock, WhatNarrowBeamsLoseIsNotTakenForFlatLeaves) {
   for (const auto angles : {sim::LeafAngles::spherical, sim::LeafAngles::planophile}) {
     const testing::Drive drive = narrow_drive(angles);
@@ -87,8 +90,7 @@ TEST(LeafAnglesOfABlock, WhatNarrowBeamsLoseIsNotTakenForFlatLeaves) {
     const ProcessReport report = block.process();
     const ScanReport& scan = report.scans.at(0);
     const double ratio = scan.plant_area_m2 / (drive.leaf_area_m2 + drive.wood_area_m2);
-    EXPECT_GT(ratio, 0.9);
-    EXPECT_LT(ratio, 1.3);
+    EXPECT_NEAR(ratio, 1, 0.1);
     std::string notes;
     for (const std::string& note : scan.notes) notes += note + "\n";
     EXPECT_EQ(notes.find("lie flatter") != std::string::npos, angles == sim::LeafAngles::planophile) << notes;
