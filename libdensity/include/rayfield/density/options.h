@@ -134,7 +134,7 @@ struct BeamOptions {
     v.number(
         "range_resolution_m", o.range_resolution_m, {0, 2},
         "What lies closer together along the beam makes one echo: half the length of the pulse; 0 = as the rig says "
-        "or as SLAM or the ground tell, else 0.15");
+        "or as SLAM, the leaves or the ground tell, else 0.15");
     v.number("full_echo", o.full_echo, {0, 65535},
              "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
     v.number("widest_m", o.widest_m, {0.02, 10},
