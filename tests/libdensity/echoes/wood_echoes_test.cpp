@@ -50,7 +50,7 @@ TEST(WoodEchoes, FewTrunksTellNothingOfBrightness) {
   EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, (300 * 1000 + 9 * 400) / 309.0, 1e-9);  // all full ones
 }
 
-TEST(WoodEchoes, TrunksAreNotTakenForAnything) {
+TEST(WoodEchoes, TrunksFarBrighterThanPostsAreDoubted) {
   EchoStatistics statistics;
   add_stems(statistics, false, 3000, 500, 1500);
   add_stems(statistics, true, 3000, 5000, 15000);
