@@ -24,10 +24,12 @@ inline double resolution_of(const LidarBeam& beam, const BeamOptions& options) {
 /// Beams of any width are followed so far, m: rows beside the lane are seen by some lidars' beams only wider.
 inline constexpr double kFollowedAtLeast_m = 4;
 
-/// How far from the lidar beams are followed, m: to where they get BeamOptions::widest_m wide, and at least 4 m.
+/// How far from the lidar beams are followed, m: to where they get BeamOptions::widest_m wide, at most
+/// BeamOptions::farthest_m, and at least 4 m.
 inline double followed_of(const LidarBeam& beam, const BeamOptions& options) {
-  if (!(beam.divergence_rad > 0)) return std::numeric_limits<double>::infinity();
-  return std::max(kFollowedAtLeast_m, (options.widest_m - beam.diameter_m) / beam.divergence_rad);
+  const double narrow_m = beam.divergence_rad > 0 ? (options.widest_m - beam.diameter_m) / beam.divergence_rad
+                                                  : std::numeric_limits<double>::infinity();
+  return std::max(kFollowedAtLeast_m, std::min(narrow_m, options.farthest_m));
 }
 
 /// How the beams of a scan look at the voxels, where they are not thin.

@@ -120,7 +120,10 @@ TEST(WideBeamCounters, BeamsAreFollowedAsFarAsTheViewSays) {
   EXPECT_EQ(followed_of({0.0136, 0.0119, {}}, {}), (0.08 - 0.0136) / 0.0119);
   EXPECT_EQ(followed_of({0.2, 0.0119, {}}, {}), 4);  // such a lidar, too, sees the rows beside its lane
   EXPECT_EQ(followed_of({0.01, 0.05, {}}, {}), 4);
-  EXPECT_TRUE(std::isinf(followed_of({0.03, 0, {}}, {})));
+  // Narrow ones are not followed through the row beside the lane into the next.
+  EXPECT_EQ(followed_of({0.010, 0.003, {}}, {}), 6);
+  EXPECT_EQ(followed_of({0.03, 0, {}}, {}), 6);
+  EXPECT_EQ(followed_of({0.010, 0.003, {}}, {.farthest_m = 12}), 12);
 }
 
 TEST(WideBeamCounters, ABeamThatAPostStopsHasNothingBehindIt) {

@@ -127,6 +127,7 @@ struct BeamOptions {
   double range_resolution_m = 0;
   double full_echo = 0;
   double widest_m = 0.08;
+  double farthest_m = 6;
 
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
@@ -138,8 +139,11 @@ struct BeamOptions {
     v.number("full_echo", o.full_echo, {0, 65535},
              "Mean intensity of the echo of leaves that take the whole beam; 0 = measured from the scan");
     v.number("widest_m", o.widest_m, {0.02, 10},
-             "Beams that are not thin are followed up to where they get this wide, and at least 4 m: what is seen "
-             "from far along the row has come through too many leaves");
+             "Beams that are not thin are followed up to where they get this wide, and at least 4 m: no leaf holds a "
+             "wider one");
+    v.number("farthest_m", o.farthest_m, {4, 1000},
+             "Nor are they followed farther than this: what is seen from far along the row, or through the row before "
+             "it, has come through too many leaves, m");
   }
   Result<void> validate() const;
 };
