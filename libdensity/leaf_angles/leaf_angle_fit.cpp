@@ -16,8 +16,9 @@ constexpr double kEnoughHits = 5000;
 constexpr std::size_t kEnoughParts = 4;
 constexpr double kLargestError = 0.3;
 // Of ln of the ratio, beside sampling: by directions with the usual leverage, how far sites with spherical leaves
-// differ; by normals.
-constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.3, kNormalsError = 0.15;
+// differ, through wide beams the more the more is lost, since level beams lose more than steep ones; by normals.
+constexpr double kDirectionsError = 0.15, kDirectionsErrorWide = 0.25, kDirectionsErrorPerLost = 4;
+constexpr double kNormalsError = 0.15;
 // In standard errors: up to the first, leaves are taken for spherical, from the second on the ratio counts as it is
 // found.
 constexpr double kSurelyFlatter = 2, kCountsWhole = 3;
@@ -147,8 +148,9 @@ std::optional<double> DirectionLikelihood::ln_ratio() const {
 std::optional<LnRatio> LeafAngleFit::by_directions() const {
   if (!measured) return std::nullopt;
   const double unsure = std::max(1.0, kUsualLeverage / leverage);
-  return LnRatio{ln_ratio - spherical_looks,
-                 std::hypot(error, unsure * (wide_beams ? kDirectionsErrorWide : kDirectionsError))};
+  const double of_site =
+      wide_beams ? std::hypot(kDirectionsErrorWide, kDirectionsErrorPerLost * lost_share) : kDirectionsError;
+  return LnRatio{ln_ratio - spherical_looks, std::hypot(error, unsure * of_site)};
 }
 
 std::optional<LnRatio> LeafAngleFit::by_normals() const {
@@ -240,7 +242,7 @@ LeafAspect aspect_of(const LeafAngles& angles, const DirectionLikelihood& all) {
 }  // namespace
 
 LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const LeafAngles& angles,
-                             const std::optional<LnRatio>& normals) {
+                             const std::optional<LnRatio>& normals, double lost_share) {
   std::vector<const DirectionLikelihood*> used;
   for (const DirectionLikelihood& part : parts)
     if (part.hits() > 0) used.push_back(&part);
@@ -251,7 +253,7 @@ LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts, const L
   LeafAngleFit fit = measures ? fit_ratio(used, all) : LeafAngleFit{};
   if (measures) fit.normals = normals;
   fit.given = !measures;
-  fit.wide_beams = all.of_wide_beams();
+  fit.wide_beams = all.of_wide_beams(), fit.lost_share = lost_share;
   fit.spherical_looks = fit.wide_beams ? kSphericalLooksWide : kSphericalLooks;
   fit.leverage = leverage_of(all);
   const LeafAngles taken = angles.type == LeafAngleType::measured ? fit.angles() : angles;

@@ -62,7 +62,8 @@ struct LeafAngleFit {
   LeafAspect aspect;                         ///< of the leaves that the hits met
   double leverage = kUsualLeverage;          ///< as said above
   bool wide_beams = false;
-  bool given = false;  ///< by the options: nothing is sought then
+  double lost_share = 0;  ///< of wide beams: EchoModel::lost_share
+  bool given = false;     ///< by the options: nothing is sought then
   std::optional<LnRatio> normals;
 
   /// ln ratio above that of leaves turned at random. The errors include what sites differ by; of directions, what else
@@ -85,8 +86,9 @@ struct LeafAngleFit {
 
 /// From parts of a scan that are independent of each other; errors from how they differ (jackknife).
 /// `angles`: those that the options say; of `measured` the fit's own are taken for `aspect`. `normals`: of full echoes.
+/// `lost_share`: of wide beams, EchoModel::lost_share.
 LeafAngleFit fit_leaf_angles(std::span<const DirectionLikelihood> parts,
                              const LeafAngles& angles = {LeafAngleType::measured, 1},
-                             const std::optional<LnRatio>& normals = std::nullopt);
+                             const std::optional<LnRatio>& normals = std::nullopt, double lost_share = 0);
 
 }  // namespace rayfield::density

@@ -86,6 +86,12 @@ Result<Sample> make_sample(const ScanWork& work, const RowLayout& layout, const 
   }
 }
 
+/// What the echoes of wide beams tell of how leaves are turned, and of how far directions can be trusted.
+struct EchoHints {
+  std::optional<LnRatio> normals;
+  double lost_share = 0;
+};
+
 /// By row and number of the row segment.
 using Likelihoods = std::map<std::pair<int, int>, DirectionLikelihood>;
 
@@ -125,7 +131,7 @@ Result<void> add_tile(ScanWork& work, const tile::TileEntry& entry, const VoxelA
 }
 
 Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<const WoodCylinder> wood,
-                                const std::shared_ptr<const BeamView>& view, const std::optional<LnRatio>& normals) {
+                                const std::shared_ptr<const BeamView>& view, const EchoHints& echoes) {
   Likelihoods sums;
   const DirectionLikelihood nothing(view ? std::optional(view->full_echo) : std::nullopt);
   work.progress.stage(fmt::format("{}: leaf angles", work.scan.scan_id), sample.tiles.size(), "tiles");
@@ -135,18 +141,18 @@ Result<LeafAngleFit> fit_sample(ScanWork& work, const Sample& sample, std::span<
                                  }));
   std::vector<DirectionLikelihood> parts;
   for (const auto& [segment, likelihood] : sums) parts.push_back(likelihood);
-  return fit_leaf_angles(parts, work.options.voxels.leaf_angles, normals);
+  return fit_leaf_angles(parts, work.options.voxels.leaf_angles, echoes.normals, echoes.lost_share);
 }
 
-std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view,
-                   const std::optional<LnRatio>& normals) {
+std::string key_of(const ScanWork& work, const std::shared_ptr<const BeamView>& view, const EchoHints& echoes) {
   KeyBuilder key(kLeafAnglesKind, kLeafAnglesVersion);
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels)).add(work.options.voxel_fit.sample_m);
   if (view) {
     add_beam(key, view->beam);
     key.add(view->full_echo).add(view->behind_m).add(view->followed_m);
   }
-  if (normals) key.add(normals->value).add(normals->error);
+  if (echoes.normals) key.add(echoes.normals->value).add(echoes.normals->error);
+  key.add(echoes.lost_share);
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
   for (const tile::TileEntry& entry : work.scan.tiles)
     key.add(entry.content_sha256()).add(work.files.sha256("ground", tile_name(entry.index)));
@@ -168,14 +174,14 @@ Result<LeafAngleFit> measure_leaf_angles(ScanWork& work, const RowLayout& layout
     copy->full_echo = echoes->full_echo;
     with_echo = copy;
   }
-  const std::optional<LnRatio> normals = shows_leaves ? echoes->leaf_normals : std::nullopt;
+  const EchoHints hints = shows_leaves ? EchoHints{echoes->leaf_normals, echoes->lost_share} : EchoHints{};
   const auto make = [&]() -> Result<tile::ArraySet> {
     RAYFIELD_ASSIGN(const Sample sample, make_sample(work, layout, ground, profile));
-    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo, normals));
+    RAYFIELD_ASSIGN(const LeafAngleFit fit, fit_sample(work, sample, wood, with_echo, hints));
     return arrays_from_leaf_angles(fit);
   };
   RAYFIELD_ASSIGN(const tile::ArraySet arrays,
-                  work.files.get(kLeafAnglesKind, "block", key_of(work, with_echo, normals), make));
+                  work.files.get(kLeafAnglesKind, "block", key_of(work, with_echo, hints), make));
   return leaf_angles_from_arrays(arrays);
 }
 
