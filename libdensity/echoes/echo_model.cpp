@@ -16,7 +16,7 @@ constexpr std::uint64_t kEnoughEchoes = 5000, kEnoughOfWood = 1000;
 constexpr std::size_t kEnoughFull = 10;
 constexpr double kLeastLeafiness = 6, kLeastWhereUnlikely = 8, kLeastWhereLikely = 3;
 constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: weaker ones are of canes
-constexpr double kWoodInFullEcho = 1.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
+constexpr double kWoodInFullEcho = 0.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
 // ln of a full echo over the mean one: without anything else; for each side of a leaf that beams are wide (fading the

@@ -13,7 +13,7 @@ constexpr std::uint64_t kEnoughToCompare = 100;
 constexpr double kBrightShare = 0.95;  // of the echoes on trunks, or posts, are weaker than the bright ones
 constexpr double kDarkestTrunks = 0.4, kBrightestTrunks = 2.5;  // over posts
 constexpr double kMissing = 3.7, kMissingPower = 3, kLeastReturned = 0.25;
-constexpr double kError = 0.3, kErrorOfMissing = 0.4;
+constexpr double kError = 0.15, kErrorOfMissing = 0.3;
 
 std::uint64_t echoes_on(const EchoStatistics::Stems& stems) {
   return std::accumulate(stems.histogram.begin(), stems.histogram.end(), std::uint64_t{0});

@@ -11,10 +11,10 @@ struct WoodEchoes {
   double full_echo = 0;  ///< mean intensity of an echo of thin wood that takes the whole beam
   /// Share of the strength that thin wood throws back that is in echoes; the rest is in pieces too weak for one.
   double returned_share = 1;
-  /// Relative standard error of thin wood by it: 0.3, and 0.4 of what the returned share makes up for (its −ln); on the
-  /// scans of the fit 0.34 in the mean, by lidars with several beams, which had no part in it, 0.27 (docs/beams.md,
-  /// "How well").
-  double error = 0.3;
+  /// Standard error of the logarithm of the plant area by it: 0.15, and 0.3 of what the returned share makes up for
+  /// (its −ln). Twice what the 46 simulated scans have whose wood is of one thickness (docs/beams.md, "How far it can
+  /// be trusted").
+  double error = 0.15;
 };
 
 /// A cane across the middle of the beam takes 4·d/(π·D) of it (d its diameter, D the beam's), and less beside. All of

@@ -81,7 +81,7 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowFaintEchoesAre) {
       EXPECT_NEAR(model.leaves_per_resolution, range_resolution_m / 0.3, 1e-9);  // 750 of 2250 in 10 cm
     }
   EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo, above(0.025, 0.1), 0.003 * kFull);
-  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(kMeanError, 0.7 / 20, 1.5 / 20), 1e-3);
+  EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(kMeanError, 0.7 / 20, 0.5 / 20), 1e-3);
 }
 
 TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {

@@ -71,7 +71,7 @@ TEST(WoodEchoes, TheWeakerTheyAreTheMoreIsMissing) {
   EXPECT_NEAR(returned(200), std::exp(-3.7 / 8), 1e-9);
   EXPECT_NEAR(returned(300), std::exp(-3.7 / 27), 1e-9);
   EXPECT_GT(returned(1000), 0.99);
-  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.3, 0.4 * 3.7 / 8), 1e-9);
+  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.15, 0.3 * 3.7 / 8), 1e-9);
   EXPECT_EQ(returned(90), 0.25);  // a mean below the weakest cannot be
 }
 
