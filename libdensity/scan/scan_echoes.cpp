@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "libdensity/echoes/echo_model_arrays.h"
@@ -105,12 +104,9 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
 bool has_thin_beam(const tile::ScanEntry& scan) { return diameter_of(scan) <= kThinM; }
 
 std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
-                                        const BeamOptions& options, Foliage foliage) {
+                                        const BeamOptions& options) {
   if (!options.enabled || diameter_of(scan) <= kThinM) return nullptr;
-  BeamOptions followed = options;
-  if (foliage == Foliage::none || foliage == Foliage::unlikely)
-    followed.farthest_m = std::numeric_limits<double>::infinity();
-  return std::make_shared<const BeamView>(beam_view(*scan.beam, SensorTrack(survey.path()), followed));
+  return std::make_shared<const BeamView>(beam_view(*scan.beam, SensorTrack(survey.path()), options));
 }
 
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,

@@ -29,14 +29,13 @@ Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_se
 /// Up to 3 mm at 2 m, or unknown.
 bool has_thin_beam(const tile::ScanEntry& scan);
 
+/// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
+/// where the options say so.
+std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
+                                        const BeamOptions& options);
+
 /// Whether its vines bear leaves: as declared, else by the month at its latitude (`crs`: of the store).
 Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs);
-
-/// How the beams of a scan look at the voxels; nullptr for thin beams (up to 3 mm at 2 m), where the rig tells none and
-/// where the options say so. Of vines that are bare, or likely to be, they are followed as far as their width lets
-/// them: hardly anything hides rows then, and what canes lose was measured so.
-std::shared_ptr<const BeamView> view_of(const tile::ScanEntry& scan, const ScanSurvey& survey,
-                                        const BeamOptions& options, Foliage foliage = Foliage::unknown);
 
 /// What the echoes of the scan mean (kind "echoes"); nothing if there are too few to say.
 Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout& layout, const SurveyedScan& surveyed,

@@ -88,18 +88,6 @@ TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
   EXPECT_NE(note.find("not measured"), std::string::npos) << note;
 }
 
-TEST(ScanEchoes, NarrowBeamsAreFollowedFartherWhereVinesAreBare) {
-  const tile::ScanEntry narrow = scan_with(0.010, 0.005), wide = scan_with(0.0136, 0.0119);
-  for (const Foliage foliage : {Foliage::unknown, Foliage::likely}) {
-    EXPECT_EQ(view_of(narrow, {}, {}, foliage)->followed_m, 6);
-    EXPECT_NEAR(view_of(wide, {}, {}, foliage)->followed_m, 5.58, 0.01);
-  }
-  for (const Foliage foliage : {Foliage::none, Foliage::unlikely}) {
-    EXPECT_NEAR(view_of(narrow, {}, {}, foliage)->followed_m, 14, 1e-9);
-    EXPECT_NEAR(view_of(wide, {}, {}, foliage)->followed_m, 5.58, 0.01);
-  }
-}
-
 TEST(ScanEchoes, AreasAreTrustedLessTheMoreIsInNoEchoAndTheLessTheFullEchoIsKnown) {
   const auto error = [](double full_echo_error, double lost_share, double leaves_per_resolution) {
     EchoModel model{.full_echo = 100, .full_echo_error = full_echo_error, .leaf_size_from = LeafSizeFrom::pairs};
