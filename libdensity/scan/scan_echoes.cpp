@@ -27,8 +27,11 @@ constexpr double kCountedErrorPerM = 40, kMostCountedError = 0.65;
 constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 // Of the logarithm where echoes are weighed (docs/beams.md, "How far it can be trusted"): of the law itself; for each
 // part of what leaves take that is in no echo, which the law makes up for, chosen with 103 scans in view; and for each
-// part that the full echo is off, measured on 82 of them: the more, the more leaves stand in a range resolution.
+// part that the full echo is off, measured on 82 of them: the more, the more leaves stand in a range resolution. The
+// law was fitted with full echoes as they are found, so that the two make up for each other in part: by 140 scans, all
+// together.
 constexpr double kLawError = 0.02, kErrorOfLost = 0.9, kErrorOfFullEcho = 0.8, kErrorPerLeaf = 1.4;
+constexpr double kTogether = 0.75;
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
 // more rays than they do (docs/beams.md, "How far it can be trusted").
 constexpr double kMissingRaysError = 0.15;
@@ -46,7 +49,7 @@ double diameter_of(const tile::ScanEntry& scan) { return scan.beam ? scan.beam->
 double weighed_error(const EchoModel& model) {
   if (model.wood_returned) return model.full_echo_error;
   const double of_full_echo = (kErrorOfFullEcho + kErrorPerLeaf * model.leaves_per_resolution) * model.full_echo_error;
-  return std::hypot(kLawError, kErrorOfLost * model.lost_share, of_full_echo);
+  return kTogether * std::hypot(kLawError, kErrorOfLost * model.lost_share, of_full_echo);
 }
 
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {

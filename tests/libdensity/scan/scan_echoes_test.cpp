@@ -94,11 +94,11 @@ TEST(ScanEchoes, AreasAreTrustedLessTheMoreIsInNoEchoAndTheLessTheFullEchoIsKnow
     model.lost_share = lost_share, model.leaves_per_resolution = leaves_per_resolution;
     return integration_with_beam({.shared_error = 0}, scan_with(0.0136, 0.0119), model).shared_error;
   };
-  EXPECT_NEAR(error(0, 0, 0), 0.02, 1e-9);
-  EXPECT_NEAR(error(0.05, 0, 0), std::hypot(0.02, 0.8 * 0.05), 1e-9);
-  EXPECT_NEAR(error(0.05, 0, 1), std::hypot(0.02, 2.2 * 0.05), 1e-9);
-  EXPECT_NEAR(error(0, 0.1, 1), std::hypot(0.02, 0.9 * 0.1), 1e-9);
-  EXPECT_NEAR(error(0.05, 0.1, 1), std::hypot(0.02, 0.11, 0.09), 1e-9);
+  EXPECT_NEAR(error(0, 0, 0), 0.75 * 0.02, 1e-9);
+  EXPECT_NEAR(error(0.05, 0, 0), 0.75 * std::hypot(0.02, 0.8 * 0.05), 1e-9);
+  EXPECT_NEAR(error(0.05, 0, 1), 0.75 * std::hypot(0.02, 2.2 * 0.05), 1e-9);
+  EXPECT_NEAR(error(0, 0.1, 1), 0.75 * std::hypot(0.02, 0.9 * 0.1), 1e-9);
+  EXPECT_NEAR(error(0.05, 0.1, 1), 0.75 * std::hypot(0.02, 0.11, 0.09), 1e-9);
 }
 
 TEST(ScanEchoes, WhereLeavesAreNotMeasuredAreasAreTrustedLess) {
