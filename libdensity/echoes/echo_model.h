@@ -84,7 +84,7 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by
 /// exp(0.27 + 1.02·D/60 mm − 3.03·b), b in m, up to 0.4. Lidars with several beams: pairs of at least half a full echo
-/// up to 6 cm apart, in windows of ± 8 cm, and 1.12. Fitted, to simulated scans (docs/beams.md): all numbers here.
+/// up to 6 cm apart, in windows of ± 8 cm, and 1.12. Fitted, to simulated scans (docs/beams-fits.md): all numbers here.
 std::optional<EchoModel> estimate_echo_model(const EchoStatistics& statistics, const EchoKnowledge& known);
 
 }  // namespace rayfield::density

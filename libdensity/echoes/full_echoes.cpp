@@ -13,7 +13,7 @@
 namespace rayfield::density {
 namespace {
 
-// Chosen on 24 simulated scans and two of block_b (docs/beams.md).
+// Chosen on 24 simulated scans and two of block_b (docs/beams-fits.md).
 constexpr double kNarrowestM = 0.025;             // narrower beams are taken for such: rays are not so close
 constexpr double kRingFrom = 0.8, kRingTo = 1.5;  // diameters of the beam from its axis: where others must have ended
 constexpr double kInside = 1.0;                   // and how far out none may have ended elsewhere

@@ -14,8 +14,8 @@
 namespace rayfield::density {
 
 /// Where a scan's beams met the ground of a tile: steeply, and aslant, in deep spots, of which lidars that report the
-/// first echo see the near edge (docs/beams.md, "How well"). Integers: any split of the rays gives the same
-/// sums.
+/// first echo see the near edge (docs/beams-fits.md, "The range resolution"). Integers: any split of the rays gives the
+/// same sums.
 class GroundSpots {
  public:
   /// `ground` of the scan. `tile` m, map coordinates.

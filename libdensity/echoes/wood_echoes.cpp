@@ -12,7 +12,7 @@ constexpr std::int64_t kEnoughOnPosts = 200;
 constexpr std::uint64_t kEnoughToCompare = 100;
 constexpr double kBrightShare = 0.95;  // of the echoes on trunks, or posts, are weaker than the bright ones
 constexpr double kDarkestTrunks = 0.4, kBrightestTrunks = 2.5;  // over posts
-constexpr double kMissing = 3.7, kMissingPower = 3, kLeastReturned = 0.25;
+constexpr double kMissing = 3.3, kMissingPower = 3, kLeastReturned = 0.25;
 constexpr double kError = 0.15, kErrorOfMissing = 0.3;
 
 std::uint64_t echoes_on(const EchoStatistics::Stems& stems) {

@@ -20,8 +20,8 @@ struct WoodEchoes {
 /// A cane across the middle of the beam takes 4·d/(π·D) of it (d its diameter, D the beam's), and less beside. All of
 /// that is in echoes where it is large beside the detection share, and nothing where it is not; how large it is shows
 /// in x, the mean strength of the echoes over `weakest`, the intensity where they begin. Vines have thick wood, too,
-/// which is in the mean when canes are in no echo: exp(−3.7/x³), at least ¼, fitted to 32 simulated scans of bare vines
-/// (docs/beams.md, "How well").
+/// which is in the mean when canes are in no echo: exp(−3.3/x³), at least ¼, fitted to 32 simulated scans of bare vines
+/// (docs/beams-fits.md, "Bare vines").
 ///
 /// Thin wood is as bright as the trunks, which are narrow for a beam to fall wholly on: what 95 % of the echoes on them
 /// do not reach, over what 95 % of those on posts do not, times the mean echo of the beams that fall wholly on posts

@@ -65,13 +65,13 @@ TEST(WoodEchoes, WhatGrowsAtTheFootDoesNotCount) {
   EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 1000, 2);
 }
 
-// exp(−3.7/x³), x the mean over the weakest.
+// exp(−3.3/x³), x the mean over the weakest.
 TEST(WoodEchoes, TheWeakerTheyAreTheMoreIsMissing) {
   const auto returned = [](double mean) { return wood_echoes(posts(1000), mean, 100)->returned_share; };
-  EXPECT_NEAR(returned(200), std::exp(-3.7 / 8), 1e-9);
-  EXPECT_NEAR(returned(300), std::exp(-3.7 / 27), 1e-9);
+  EXPECT_NEAR(returned(200), std::exp(-3.3 / 8), 1e-9);
+  EXPECT_NEAR(returned(300), std::exp(-3.3 / 27), 1e-9);
   EXPECT_GT(returned(1000), 0.99);
-  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.15, 0.3 * 3.7 / 8), 1e-9);
+  EXPECT_NEAR(wood_echoes(posts(1000), 200, 100)->error, std::hypot(0.15, 0.3 * 3.3 / 8), 1e-9);
   EXPECT_EQ(returned(90), 0.25);  // a mean below the weakest cannot be
 }
 
