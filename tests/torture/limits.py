@@ -88,7 +88,8 @@ def full_disks(lab, until):
                 if tally.judge(outcome, {0, 5}, what) and job.verifies and (store / "store.json").exists():
                     lab.verify(store, tally, what)
         except subprocess.CalledProcessError as e:
-            return Tally(skipped=f"tmpfs cannot be mounted: {e}")
+            tally.notes.append(f"tmpfs cannot be mounted: {e}")
+            return tally if tally.runs else Tally(skipped=tally.notes[-1])
     return tally
 
 
