@@ -28,8 +28,8 @@ constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of i
 // Of the logarithm where echoes are weighed (docs/beams.md, "How far it can be trusted"): of the law itself; for each
 // part of what leaves take that is in no echo, which the law makes up for, chosen with 103 scans in view; and for each
 // part that the full echo is off, measured on 82 of them: the more, the more leaves stand in a range resolution. The
-// law was fitted with full echoes as they are found, so that the two make up for each other in part: by 140 scans, all
-// together.
+// law was fitted with full echoes as they are found, so that errors of the two cancel in part: on 140 scans areas were
+// off by less than that makes together, for which a factor stands.
 constexpr double kLawError = 0.02, kErrorOfLost = 0.9, kErrorOfFullEcho = 0.8, kErrorPerLeaf = 1.4;
 constexpr double kTogether = 0.75;
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
