@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "libdensity/tiles/rounding.h"
@@ -24,6 +25,7 @@ constexpr double kStartM = 0.06;                  // along the beam: for the pla
 constexpr float kNearbyM = 0.15F;                 // and what is looked at at all
 constexpr float kSameDirection = 0.97F;           // cosine: 14°
 constexpr std::size_t kLeastForPlane = 5;
+constexpr std::size_t kRounds = 8;  // of which one after the other is looked at until enough are found
 constexpr double kFlattestShare = 0.1, kSpreads = 1.4;
 constexpr double kBrightest = 2;      // medians: what is brighter is no leaf
 constexpr double kOfMedian = 1.2533;  // error of a median over that of a mean
@@ -123,6 +125,41 @@ bool is_full(std::span<const Neighbour> neighbours, const Eigen::Matrix3d& axes,
   return true;
 }
 
+class FullEchoFinder {
+ public:
+  explicit FullEchoFinder(const EchoColumns& columns) : columns_(columns) {}
+
+  /// The echo `i`, if it is a full one.
+  std::optional<FullEcho> at(std::size_t i) {
+    const std::span<const LeafEcho> echoes = columns_.echoes();
+    const LeafEcho& echo = echoes[i];
+    const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
+    const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
+    const double ring_m = kRingTo * width_m;
+    const float farthest_square = kBoxSlack * static_cast<float>(ring_m * ring_m);
+    neighbours_.clear();
+    const auto visit = [&](std::size_t j) {
+      const Eigen::Vector3f to = echoes[j].position - echo.position;
+      const float along = to.dot(echo.direction);
+      if (j == i || std::abs(along) >= kNearbyM || to.squaredNorm() - along * along > farthest_square ||
+          echoes[j].direction.dot(echo.direction) <= kSameDirection)
+        return;
+      const auto x = static_cast<double>(to.dot(across)), y = static_cast<double>(to.dot(third));
+      const double distance = std::hypot(x, y) / width_m;
+      if (distance < kRingTo) neighbours_.push_back({x, y, static_cast<double>(along), distance, halves_of(j)});
+    };
+    columns_.for_near(echo.position, box_around_beam(echo.direction, kNearbyM, static_cast<float>(ring_m)), visit);
+    FullEcho full{echo.intensity};
+    Eigen::Matrix3d axes;
+    axes << across.cast<double>(), third.cast<double>(), echo.direction.cast<double>();
+    return is_full(neighbours_, axes, full) ? std::optional(full) : std::nullopt;
+  }
+
+ private:
+  const EchoColumns& columns_;
+  std::vector<Neighbour> neighbours_;
+};
+
 /// The value that a share of the values do not reach.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -185,33 +222,12 @@ Contrast contrast(std::span<const FullEcho> echoes, std::size_t way, std::size_t
 
 }  // namespace
 
-std::vector<FullEcho> find_full_echoes(const EchoColumns& columns) {
-  const std::span<const LeafEcho> echoes = columns.echoes();
+std::vector<FullEcho> find_full_echoes(const EchoColumns& columns, std::size_t enough) {
   std::vector<FullEcho> out;
-  std::vector<Neighbour> neighbours;
-  for (std::size_t i = 0; i < echoes.size(); ++i) {
-    const LeafEcho& echo = echoes[i];
-    const Eigen::Vector3f across = echo.direction.unitOrthogonal(), third = echo.direction.cross(across);
-    const double width_m = std::max(kNarrowestM, static_cast<double>(echo.width_m));
-    const double ring_m = kRingTo * width_m;
-    const float farthest_square = kBoxSlack * static_cast<float>(ring_m * ring_m);
-    neighbours.clear();
-    const auto visit = [&](std::size_t j) {
-      const Eigen::Vector3f to = echoes[j].position - echo.position;
-      const float along = to.dot(echo.direction);
-      if (j == i || std::abs(along) >= kNearbyM || to.squaredNorm() - along * along > farthest_square ||
-          echoes[j].direction.dot(echo.direction) <= kSameDirection)
-        return;
-      const auto x = static_cast<double>(to.dot(across)), y = static_cast<double>(to.dot(third));
-      const double distance = std::hypot(x, y) / width_m;
-      if (distance < kRingTo) neighbours.push_back({x, y, static_cast<double>(along), distance, halves_of(j)});
-    };
-    columns.for_near(echo.position, box_around_beam(echo.direction, kNearbyM, static_cast<float>(ring_m)), visit);
-    FullEcho full{echo.intensity};
-    Eigen::Matrix3d axes;
-    axes << across.cast<double>(), third.cast<double>(), echo.direction.cast<double>();
-    if (is_full(neighbours, axes, full)) out.push_back(full);
-  }
+  FullEchoFinder finder(columns);
+  for (std::size_t first = 0; first < kRounds && out.size() < enough; ++first)
+    for (std::size_t i = first; i < columns.echoes().size(); i += kRounds)
+      if (const std::optional<FullEcho> full = finder.at(i)) out.push_back(*full);
   return out;
 }
 

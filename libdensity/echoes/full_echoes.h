@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -29,9 +30,10 @@ struct FullEcho {
 };
 
 /// The full echoes among those of one place: an echo is full when all round it, just outside its beam, other beams from
-/// about the same direction ended on one plane through it, and none inside ended elsewhere. In no order that depends on
-/// that of the echoes.
-std::vector<FullEcho> find_full_echoes(const EchoColumns& columns);
+/// about the same direction ended on one plane through it, and none inside ended elsewhere. Looks at every eighth echo,
+/// then at those beside these, and so on, until it has found `enough`. In no order that depends on that of the echoes.
+std::vector<FullEcho> find_full_echoes(const EchoColumns& columns,
+                                       std::size_t enough = std::numeric_limits<std::size_t>::max());
 
 /// Those whose surroundings are nearly as flat as the ranges' noise allows (1.4 of the spread that a tenth of them do
 /// not reach), so that bundles of canes are left out.

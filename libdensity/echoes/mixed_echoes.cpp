@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace rayfield::density {
 namespace {
 
-constexpr std::size_t kMostLookedAt = 15000;             // echoes of a place
 constexpr float kNarrowestM = 0.025F;                    // narrower beams are taken for such: rays are not so close
 constexpr float kSameDirection = 0.998F;                 // cosine
 constexpr float kOpposite = -0.5F;                       // cosine of the angle between neighbours, seen along the beam
@@ -104,14 +104,20 @@ double best_ln_likelihood(const MixedEchoes& mixed, double resolution_m) {
 
 }  // namespace
 
+std::int64_t MixedEchoes::count() const {
+  return std::accumulate(gaps.begin(), gaps.end(), std::int64_t{0},
+                         [](std::int64_t sum, const Count& gap) { return sum + gap.all; });
+}
+
 MixedEchoes& MixedEchoes::operator+=(const MixedEchoes& other) {
   for (std::size_t i = 0; i < gaps.size(); ++i)
     gaps[i].all += other.gaps[i].all, gaps[i].between += other.gaps[i].between;
   return *this;
 }
 
-MixedEchoes find_mixed_echoes(const EchoColumns& echoes) {
-  const std::size_t count = echoes.echoes().size(), step = std::max<std::size_t>(1, count / kMostLookedAt);
+MixedEchoes find_mixed_echoes(const EchoColumns& echoes, std::size_t most) {
+  const std::size_t count = echoes.echoes().size(),
+                    step = std::max<std::size_t>(1, count / std::max<std::size_t>(1, most));
   MixedEchoes mixed;
   Neighbours neighbours(echoes);
   for (std::size_t i = 0; i < count; i += step) {

@@ -20,14 +20,15 @@ struct MixedEchoes {
     bool operator==(const Count&) const = default;
   };
   std::array<Count, kGaps> gaps{};
+  std::int64_t count() const;  ///< of echoes
   MixedEchoes& operator+=(const MixedEchoes& other);
   bool operator==(const MixedEchoes&) const = default;
 };
 
-/// Of the echoes of one place, of which up to 15 000 are looked at: those within a diameter of the beam (25 mm or more)
+/// Of the echoes of one place, of which up to `most` are looked at: those within a diameter of the beam (25 mm or more)
 /// and 0.56 m along it, of beams from nearly the same direction (3.6°), to opposite sides (120° or more); the closest
 /// two.
-MixedEchoes find_mixed_echoes(const EchoColumns& echoes);
+MixedEchoes find_mixed_echoes(const EchoColumns& echoes, std::size_t most);
 
 /// The range resolution: surfaces nearer to each other along the beam make one echo at their mean range, and an echo
 /// lies between its neighbours; those farther apart do not. Maximum likelihood of where the share that lies between

@@ -7,13 +7,11 @@
 #include <utility>
 
 #include "libdensity/echoes/echo_model_arrays.h"
+#include "libdensity/scan/echo_sample.h"
 #include "libdensity/scan/scan_range_resolution.h"
-#include "libdensity/scan/scan_voxels.h"
 #include "libdensity/scan/stage_versions.h"
 #include "libdensity/season/vine_year.h"
-#include "libdensity/tiles/accumulate.h"
 #include "libdensity/tiles/stored.h"
-#include "libdensity/voxels/voxel_accumulator.h"
 
 namespace rayfield::density {
 namespace {
@@ -24,7 +22,6 @@ constexpr double kThinM = 0.003;      // diameter there
 // Beams of low detection shares find twice of them, those of high shares a half to a third (docs/beams.md, "How far it
 // can be trusted").
 constexpr double kCountedErrorPerM = 40, kMostCountedError = 0.65;
-constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 // Of the logarithm where echoes are weighed (docs/beams.md, "How far it can be trusted"): of the law itself; for each
 // part of what leaves take that is in no echo, which the law makes up for, chosen with 103 scans in view; and for each
 // part that the full echo is off, measured on 82 of them: the more, the more leaves stand in a range resolution. The
@@ -65,24 +62,6 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
   return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
 }
 
-// One tile. Sums of integers, so that the order of the rays does not matter.
-Result<void> sample_tile(ScanWork& work, const tile::TileEntry& entry, VoxelAccumulator empty, SampledEchoes& sampled) {
-  RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
-  const auto add_pairs = [](VoxelAccumulator& sum, const tile::SegmentBatch& rays) { sum.add_pairs(rays); };
-  RAYFIELD_ASSIGN(const int workers, counting_workers(work, entry.index, empty));
-  empty.keep_leaf_echoes(kMostEchoes / static_cast<double>(std::max<std::uint64_t>(1, entry.hit_count)));
-  RAYFIELD_ASSIGN(VoxelAccumulator sum, accumulate_tile(reader, std::move(empty), workers, work.progress, add_pairs));
-  if (sum.echo_statistics()) {
-    if (!sampled.statistics) sampled.statistics.emplace();
-    sampled.statistics->merge(*sum.echo_statistics());
-    const EchoColumns leaf_echoes(sum.take_leaf_echoes());
-    sampled.statistics->add_full_echoes(find_full_echoes(leaf_echoes));
-    sampled.statistics->add_mixed_echoes(find_mixed_echoes(leaf_echoes));
-  }
-  sampled.pairs += std::move(sum).finish().pairs;
-  return {};
-}
-
 }  // namespace
 
 Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs) {
@@ -91,17 +70,6 @@ Foliage foliage_of(const tile::ScanEntry& scan, const std::string& crs) {
   if (!latitude_deg) return Foliage::unknown;
   if (is_leafless_season(scan.date, *latitude_deg)) return Foliage::unlikely;
   return is_full_leaf_season(scan.date, *latitude_deg) ? Foliage::likely : Foliage::unknown;
-}
-
-Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
-                                    std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view) {
-  SampledEchoes sampled;
-  work.progress.stage(fmt::format("{}: leaf size", work.scan.scan_id), work.scan.tiles.size(), "tiles");
-  RAYFIELD_CHECK(for_voxel_tiles(work, work.scan.tiles, row_segments, wood, view,
-                                 [&](const tile::TileEntry& entry, VoxelAccumulator empty) {
-                                   return sample_tile(work, entry, std::move(empty), sampled);
-                                 }));
-  return sampled;
 }
 
 bool has_thin_beam(const tile::ScanEntry& scan) { return diameter_of(scan) <= kThinM; }

@@ -17,15 +17,6 @@
 
 namespace rayfield::density {
 
-/// What the rays of a scan show of leaves before voxels are fitted to them.
-struct SampledEchoes {
-  LeafSizePairs pairs;
-  std::optional<EchoStatistics> statistics;  ///< of beams that are not thin
-};
-/// `view`: of beams that are not thin, or nullptr.
-Result<SampledEchoes> sample_echoes(ScanWork& work, const RowSegmentList& row_segments,
-                                    std::span<const WoodCylinder> wood, const std::shared_ptr<const BeamView>& view);
-
 /// Up to 3 mm at 2 m, or unknown.
 bool has_thin_beam(const tile::ScanEntry& scan);
 

@@ -78,7 +78,7 @@ Result<Sample> make_sample(const ScanWork& work, const RowLayout& layout, const 
     sample.tiles = some_tiles(work, sample.row_segments);
     std::uint64_t rays = 0;
     for (const tile::TileEntry& entry : sample.tiles) rays += entry.segment_count;
-    sample.every = std::max<std::size_t>(1, rays / kEnoughRays);
+    sample.every = std::max<std::size_t>(1, (rays + kEnoughRays - 1) / kEnoughRays);
     keep_some_segments(work, sample);
     std::size_t voxels = 0;
     for (const RowSegment& s : sample.row_segments.row_segments) voxels += s.shape().size();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libdensity/scan/scan_echoes.h"
+#include "libdensity/scan/echo_sample.h"
 #include "libdensity/scan/stage_versions.h"
 
 namespace rayfield::density {

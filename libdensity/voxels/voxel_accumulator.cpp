@@ -41,7 +41,6 @@ struct VoxelAccumulator::Geometry {
   LeafProjectionTable projection{LeafAngles{}};
   tile::TileIndex tile;
   std::vector<GridFrame> frames;
-  std::vector<RowSegmentVoxels> empty;
   std::vector<WoodCylinder> wood;
   VoxelIndex index;
   TileGround ground;
@@ -52,8 +51,8 @@ struct VoxelAccumulator::Geometry {
   }
 };
 
-VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry)
-    : geometry_(std::move(geometry)), sums_(geometry_->empty) {}
+VoxelAccumulator::VoxelAccumulator(std::shared_ptr<const Geometry> geometry, std::vector<RowSegmentVoxels> empty)
+    : geometry_(std::move(geometry)), sums_(std::move(empty)) {}
 
 Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std::span<const RowSegment> row_segments,
                                                   std::span<const WoodCylinder> wood, const VoxelOptions& options,
@@ -65,6 +64,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
   geometry->tile = tile.index;
   geometry->view = std::move(view);
   std::vector<RowSegment> kept;
+  std::vector<RowSegmentVoxels> empty;
   double voxel_m = 0;
   for (const RowSegment& s : row_segments) {
     const std::string where = "row " + std::to_string(s.row) + ", row segment " + std::to_string(s.index);
@@ -79,7 +79,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
     if (voxels.entries.empty()) continue;
     kept.push_back(s);
     geometry->frames.emplace_back(s);
-    geometry->empty.push_back(std::move(voxels));
+    empty.push_back(std::move(voxels));
     voxel_m = std::max(voxel_m, s.voxel_m);
   }
   // Columns reach over the tile's border by at most half a voxel diagonal.
@@ -90,7 +90,7 @@ Result<VoxelAccumulator> VoxelAccumulator::create(const tile::TileRef& tile, std
     if (bounds.exteriorDistance(Eigen::Vector2d(w.base.head<2>())) < w.length_m + 1) geometry->wood.push_back(w);
   geometry->index = VoxelIndex(kept, geometry->wood, options.wood_shell_m, bounds);
   geometry->ground = TileGround::of(kept);
-  return VoxelAccumulator(geometry);
+  return VoxelAccumulator(geometry, std::move(empty));
 }
 
 void VoxelAccumulator::count_directions_only(std::size_t first, std::size_t count) {
@@ -99,6 +99,10 @@ void VoxelAccumulator::count_directions_only(std::size_t first, std::size_t coun
     if (first <= i && i < first + count) sums_[i].directions.assign(sums_[i].voxels.size(), {});
     sums_[i].voxels = {}, sums_[i].echoes = {};
   }
+}
+
+void VoxelAccumulator::count_pairs_only() {
+  for (RowSegmentVoxels& sums : sums_) sums.voxels = {}, sums.echoes = {};
 }
 
 std::vector<std::size_t> VoxelAccumulator::voxel_counts() const {

@@ -35,6 +35,8 @@ class VoxelAccumulator {
   /// Counts neighbouring beams only (TileVoxels::pairs), as add() does: to tell the leaves' size before voxels are
   /// fitted to it. With a BeamView the strength of the echoes, too, and the echoes themselves of a share of the places.
   void add_pairs(const tile::SegmentBatch& segments);
+  /// From here on only add_pairs() is called: the voxels' counters are given back.
+  void count_pairs_only();
   /// From here on add() does not count neighbouring beams, which takes time where several beams are sent at a time.
   void leave_out_pairs() { counts_pairs_ = false; }
   /// From here on add() counts RowSegmentVoxels::directions and nothing else, of `count` row segments from the one at
@@ -94,7 +96,7 @@ class VoxelAccumulator {
   /// and statistics_.
   template <class Meet>
   void for_rays(const tile::SegmentBatch& segments, Meet meet);
-  explicit VoxelAccumulator(std::shared_ptr<const Geometry> geometry);
+  VoxelAccumulator(std::shared_ptr<const Geometry> geometry, std::vector<RowSegmentVoxels> empty);
   std::shared_ptr<const Geometry> geometry_;
   std::vector<RowSegmentVoxels> sums_;
   LeafSizePairs pairs_;

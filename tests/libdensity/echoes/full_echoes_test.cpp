@@ -106,6 +106,25 @@ TEST(FullEchoes, AreTheSameInAnyOrder) {
   EXPECT_EQ(full_of(echoes), full);
 }
 
+TEST(FullEchoes, AreLookedForAllOverThePlaceUntilEnoughAreFound) {
+  std::vector<LeafEcho> echoes;
+  for (int i = 0; i < 20; ++i)
+    for (LeafEcho e : leaf(0.10, 0, 20 + static_cast<std::uint64_t>(i))) {
+      e.position.x() += 0.5F * static_cast<float>(i), e.intensity = static_cast<std::uint16_t>(i);
+      echoes.push_back(e);
+    }
+  const EchoColumns columns(echoes);
+  const std::vector<FullEcho> all = find_full_echoes(columns);
+  const std::size_t enough = all.size() / 4;
+  const std::vector<FullEcho> some = find_full_echoes(columns, enough);
+  EXPECT_GE(some.size(), enough);
+  EXPECT_LT(some.size(), all.size() / 2);
+  EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));
+  std::array<int, 20> of_leaf{};
+  for (const FullEcho& e : some) ++of_leaf[e.intensity];
+  EXPECT_GE(std::count_if(of_leaf.begin(), of_leaf.end(), [](int n) { return n > 0; }), 19);
+}
+
 /// Full echoes of leaves that face the lidar more or less, `dark` of 1 at angles of 90°; angles are known to 0.15.
 std::vector<FullEcho> full_echoes(double dark, double scatter, std::size_t count) {
   std::vector<FullEcho> echoes;

@@ -38,7 +38,7 @@ std::vector<LeafEcho> edges(double range_resolution_m, double noise_m, std::uint
   return echoes;
 }
 
-MixedEchoes mixed_of(const std::vector<LeafEcho>& echoes) { return find_mixed_echoes(EchoColumns(echoes)); }
+MixedEchoes mixed_of(const std::vector<LeafEcho>& echoes) { return find_mixed_echoes(EchoColumns(echoes), 15000); }
 
 std::int64_t total(const MixedEchoes& mixed, std::int64_t MixedEchoes::Count::*what) {
   std::int64_t sum = 0;
