@@ -36,8 +36,9 @@ struct EchoModel {
   double mean_echo_weight = 0;
   /// Whether the scan lacks the downward rays that came back from nowhere (VoxelOptions::sure_return_m is not 0).
   bool lacks_downward_misses = false;
-  /// Whether the range resolution is a typical one, though it could have been measured had there been ground to see.
+  /// Whether the range resolution is what is likely, and neither told nor measured, and its standard error.
   bool resolution_assumed = false;
+  double range_resolution_error_m = 0;
   /// What the normals of full echoes tell of how leaves are turned (fit_leaf_normals()).
   std::optional<LnRatio> leaf_normals;
   /// Of a scan of bare vines: WoodEchoes::returned_share, in place of all that is said of leaves.

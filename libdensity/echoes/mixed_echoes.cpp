@@ -23,8 +23,8 @@ constexpr std::array kBeyond = {0.06, 0.12, 0.18, 0.24, 0.30};
 constexpr double kGentlenessM = 0.015;
 constexpr double kFinestM = 0.04, kStepM = 0.005;  // that are tried, so many
 constexpr int kSteps = 83;
-constexpr int kLeastGap = 4, kMostGap = 55;  // cm, that count
-constexpr double kLnLikelihoodOfTwoSigma = 2, kMostHalfWidthM = 0.03, kCoarsestTrustedM = 0.4;
+constexpr int kLeastGap = 4, kMostGap = 55;           // cm, that count
+constexpr double kUsualM = 0.17, kUsualSpread = 0.4;  // median of lidars' resolutions, and how their logarithms differ
 constexpr double kLateM = 0.022;  // fitted: of a spot a little deeper than the resolution hardly anything is missing
 
 /// An echo near another one, seen along the other's beam.
@@ -127,17 +127,23 @@ MixedEchoes find_mixed_echoes(const EchoColumns& echoes, std::size_t most) {
   return mixed;
 }
 
-std::optional<double> range_resolution_of(const MixedEchoes& mixed) {
-  std::vector<double> ln;
-  const auto at = [](auto steps) { return kFinestM + kStepM * static_cast<double>(steps); };
-  for (int step = 0; step < kSteps; ++step) ln.push_back(best_ln_likelihood(mixed, at(step)));
+BelievedResolution range_resolution_of(const MixedEchoes& mixed) {
+  std::vector<double> values_m, ln;
+  for (int step = 0; step < kSteps; ++step) {
+    const double apparent_m = kFinestM + kStepM * static_cast<double>(step), value_m = apparent_m - kLateM;
+    if (value_m < kFinestM) continue;
+    const double off = std::log(value_m / kUsualM) / kUsualSpread;
+    values_m.push_back(value_m);
+    ln.push_back(best_ln_likelihood(mixed, apparent_m) - off * off / 2 - std::log(value_m));
+  }
   const auto best = std::max_element(ln.begin(), ln.end());
-  const auto likely = [&](double l) { return l > *best - kLnLikelihoodOfTwoSigma; };
-  const double low_m = at(std::find_if(ln.begin(), ln.end(), likely) - ln.begin());
-  const double high_m = at(ln.rend() - std::find_if(ln.rbegin(), ln.rend(), likely) - 1);
-  const double best_m = at(best - ln.begin());
-  if (std::max(best_m - low_m, high_m - best_m) > kMostHalfWidthM || best_m > kCoarsestTrustedM) return std::nullopt;
-  return std::max(kFinestM, best_m - kLateM);
+  const double value_m = values_m[static_cast<std::size_t>(best - ln.begin())];
+  double weights = 0, squares = 0;
+  for (std::size_t i = 0; i < ln.size(); ++i) {
+    const double weight = std::exp(ln[i] - *best), off_m = values_m[i] - value_m;
+    weights += weight, squares += weight * off_m * off_m;
+  }
+  return {value_m, std::sqrt(squares / weights)};
 }
 
 }  // namespace rayfield::density

@@ -19,7 +19,7 @@ namespace {
 constexpr double kMostEchoes = 800000;  // of a tile, from there on a share of its plan is looked at for full ones
 // Of a scan, of which a tile gives what its hits are of all, and at least a sixteenth: with so many the errors of the
 // full echo and of the range resolution are those of what they are taken for, and not of their numbers.
-constexpr double kEnoughFull = 5000, kEnoughLookedAt = 30000, kLeastPart = 1.0 / 16;
+constexpr double kEnoughFull = 5000, kEnoughLookedAt = 90000, kLeastPart = 1.0 / 16;
 constexpr std::uint64_t kEnoughEchoes = 200000;
 constexpr std::int64_t kEnoughMixed = 6000;
 

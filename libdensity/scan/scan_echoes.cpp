@@ -32,8 +32,9 @@ constexpr double kTogether = 0.75;
 // Wide beams come back from the ground only where it is met steeply. In a cloud without the others leaves seem to stop
 // more rays than they do (docs/beams.md, "How far it can be trusted").
 constexpr double kMissingRaysError = 0.15;
-// Of the range resolution where 15 cm are assumed: with 8 to 25 cm areas are off by 0.56 to 1.15 (docs/beams.md).
-constexpr double kAssumedResolutionError = 0.1;
+// Of a range resolution that nothing but what is usual tells, by the standard error that it has then: with 15 cm taken
+// for 8 to 25 areas were off by 0.56 to 1.15 (docs/beams-fits.md, "The range resolution").
+constexpr double kAssumedResolutionError = 0.1, kUsualResolutionErrorM = 0.08;
 // Of leaves whose size is not measured: half as large or twice as large moves the mean echo by a tenth.
 constexpr double kUnknownLeafError = 0.1;
 // What earlier echoes took of a beam whose last one is reported is made up for where echoes are weighed; where they are
@@ -49,6 +50,11 @@ double weighed_error(const EchoModel& model) {
   return kTogether * std::hypot(kLawError, kErrorOfLost * model.lost_share, of_full_echo);
 }
 
+double error_of_resolution(const EchoModel& model) {
+  if (!model.resolution_assumed) return 0;
+  return kAssumedResolutionError * std::min(1.0, model.range_resolution_error_m / kUsualResolutionErrorM);
+}
+
 double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& model) {
   if (diameter_of(scan) <= kThinM) return 0;
   const bool last = scan.beam->returns == ReturnMode::last;
@@ -56,8 +62,8 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
     const double of_last = model->wood_returned ? kLastCountedError : kLastWeighedError;
     const bool unknown_leaf = !model->wood_returned && model->leaf_size_from == LeafSizeFrom::nothing;
     return std::hypot(std::hypot(weighed_error(*model), unknown_leaf ? kUnknownLeafError : 0),
-                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0,
-                                 model->resolution_assumed ? kAssumedResolutionError : 0, last ? of_last : 0));
+                      std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, error_of_resolution(*model),
+                                 last ? of_last : 0));
   }
   return std::hypot(std::min(kMostCountedError, kCountedErrorPerM * diameter_of(scan)), last ? kLastCountedError : 0);
 }
@@ -101,14 +107,13 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
         make_row_segments(layout, surveyed.ground, profile, with_voxel_size(work.options.segments, sample_m)));
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     if (!sampled.statistics) return arrays_from_echo_model(std::nullopt);
-    RAYFIELD_ASSIGN(const std::optional<double> resolution_m,
-                    range_resolution_of_scan(work, surveyed, *sampled.statistics));
-    auto model = estimate_echo_model(
-        *sampled.statistics, {view->beam, resolution_m.value_or(kTypicalResolution_m), work.options.beam.full_echo,
-                              work.options.estimator.leaf_size_m2, foliage});
+    RAYFIELD_ASSIGN(const BelievedResolution resolution, range_resolution_of_scan(work, surveyed, *sampled.statistics));
+    auto model = estimate_echo_model(*sampled.statistics, {view->beam, resolution.value_m, work.options.beam.full_echo,
+                                                           work.options.estimator.leaf_size_m2, foliage});
     if (model) {
       model->lacks_downward_misses = work.voxels.sure_return_m > 0;
-      model->resolution_assumed = !resolution_m;
+      model->resolution_assumed = !is_known(resolution);
+      model->range_resolution_error_m = resolution.error_m;
     }
     return arrays_from_echo_model(model);
   };
@@ -173,10 +178,9 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
     note += fmt::format(", range resolution {:.0f} cm", 100 * model->range_resolution_m);
   else
     note += fmt::format(
-        "; how far apart its echoes are told is not known, and neither echoes nor ground tell, so {:.0f} cm are "
-        "assumed "
+        "; how far apart its echoes are told is not known well, {:.0f} ± {:.0f} cm are assumed "
         "(`lidar.range_resolution_m` of the rig)",
-        100 * model->range_resolution_m);
+        100 * model->range_resolution_m, 100 * model->range_resolution_error_m);
   if (model->lacks_downward_misses)
     note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
   if (scan.beam->returns == ReturnMode::last)

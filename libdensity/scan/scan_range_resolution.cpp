@@ -24,7 +24,8 @@ constexpr double kDeepSpotM = 0.1;
 constexpr std::ptrdiff_t kLeastDeep = 200;
 // Fitted to 48 scans whose b was known: 0.09 to 0.25 m come out right to 1 cm where sections of the scan agree, to 3 cm
 // where they differ by up to as much as b, which no section of a narrow beam's tells well.
-constexpr double kUnnoticedM = 0.012, kMostRelativeSigma = 1;
+constexpr double kUnnoticedM = 0.012, kMostRelativeSigma = 1, kGroundErrorM = 0.012;
+constexpr double kKnownM = 0.02;
 
 // Of the tiles with hits, as many as are enough, from all over the scan.
 std::vector<tile::TileEntry> some_tiles(const std::vector<tile::TileEntry>& tiles) {
@@ -92,13 +93,16 @@ bool ground_tells_resolution(const LidarBeam& beam, bool one_beam) {
          beam.returns.value_or(ReturnMode::first) == ReturnMode::first;
 }
 
-Result<std::optional<double>> range_resolution_of_scan(ScanWork& work, const SurveyedScan& surveyed,
-                                                       const EchoStatistics& statistics) {
-  if (work.options.beam.range_resolution_m > 0) return work.options.beam.range_resolution_m;
-  if (work.scan.beam->range_resolution_m) return work.scan.beam->range_resolution_m;
-  if (const std::optional<double> of_leaves = range_resolution_of(statistics.mixed())) return of_leaves;
-  if (!ground_tells_resolution(*work.scan.beam, sends_one_beam(statistics))) return std::nullopt;
-  return measure_on_ground(work, surveyed);
+bool is_known(const BelievedResolution& resolution) { return resolution.error_m <= kKnownM; }
+
+Result<BelievedResolution> range_resolution_of_scan(ScanWork& work, const SurveyedScan& surveyed,
+                                                    const EchoStatistics& statistics) {
+  if (work.options.beam.range_resolution_m > 0) return BelievedResolution{work.options.beam.range_resolution_m};
+  if (work.scan.beam->range_resolution_m) return BelievedResolution{*work.scan.beam->range_resolution_m};
+  const BelievedResolution of_leaves = range_resolution_of(statistics.mixed());
+  if (is_known(of_leaves) || !ground_tells_resolution(*work.scan.beam, sends_one_beam(statistics))) return of_leaves;
+  RAYFIELD_ASSIGN(const std::optional<double> of_ground_m, measure_on_ground(work, surveyed));
+  return of_ground_m ? BelievedResolution{*of_ground_m, kGroundErrorM} : of_leaves;
 }
 
 }  // namespace rayfield::density

@@ -143,9 +143,11 @@ TEST(ScanEchoes, AnAssumedRangeResolutionIsToldAndTrustedLess) {
   const double known = error();
   EXPECT_EQ(beam_note(scan, model).find("range_resolution_m"), std::string::npos);
   EXPECT_NE(beam_note(scan, model).find("range resolution 15 cm"), std::string::npos);
-  model.resolution_assumed = true;
+  model.resolution_assumed = true, model.range_resolution_error_m = 0.04;
+  EXPECT_NEAR(error(), std::hypot(known, 0.1 * 4 / 8), 1e-9);
+  EXPECT_NE(beam_note(scan, model).find("15 ± 4 cm are assumed"), std::string::npos) << beam_note(scan, model);
+  model.range_resolution_error_m = 0.12;
   EXPECT_NEAR(error(), std::hypot(known, 0.1), 1e-9);
-  EXPECT_NE(beam_note(scan, model).find("15 cm are assumed"), std::string::npos) << beam_note(scan, model);
 }
 
 TEST(ScanEchoes, TheGroundTellsTheRangeResolutionOfWideFirstEchoesThatAreSeenSteeplyToo) {
