@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kRounds = 3;
 // What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How it is taken out"):
-// times the unreturned share and a power of the optical path across the row, fading with the range resolution,
-constexpr double kUnreturnedAcross = 2.1, kPowerOfAcross = 0.6, kFadesM = 0.25;
+// times the unreturned share and the optical path across the row, fading with the range resolution,
+constexpr double kUnreturnedAcross = 2.4, kFadesM = 0.25;
 // the lost share over the optical path across, for wood, and
 constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
@@ -108,8 +108,7 @@ class ReturnedOfRow {
     const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
     const double widths = model_.leaf_size_m2 > 0 ? width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
-    const double unreturned = model_.unreturned_share * std::pow(row.thickness, kPowerOfAcross) *
-                              std::exp(-model_.range_resolution_m / kFadesM);
+    const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
     const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
                            kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);

@@ -47,7 +47,7 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
 /// By what the path is too long where `lost` of what leaves take is in no echo, in a row with that optical path across:
 /// docs/beams.md, "How it is taken out".
 double through(double lost, double across, double resolution_m = kResolution) {
-  const double hidden = 2.1 * kHidden * lost * std::pow(across, 0.6) * std::exp(-resolution_m / 0.25);
+  const double hidden = 2.4 * kHidden * lost * across * std::exp(-resolution_m / 0.25);
   return std::exp(-hidden - 0.6 * lost / std::max(0.3, across));
 }
 double across(const VoxelSums& s) { return s.hits / s.path; }  // of a row of which the voxel is all there is
