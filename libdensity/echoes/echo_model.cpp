@@ -212,6 +212,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, full, model), model);
   }
   model.leaf_normals = fit_leaf_normals(statistics.full());
+  model.dark_wood_error = dark_wood_error(statistics, model.full_echo);
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));

@@ -39,6 +39,8 @@ struct EchoModel {
   /// Whether the range resolution is what is likely, and neither told nor measured, and its standard error.
   bool resolution_assumed = false;
   double range_resolution_error_m = 0;
+  /// Standard error of the logarithm of areas by wood that is darker than leaves (dark_wood_error()).
+  double dark_wood_error = 0;
   /// What the normals of full echoes tell of how leaves are turned (fit_leaf_normals()).
   std::optional<LnRatio> leaf_normals;
   /// Of a scan of bare vines: WoodEchoes::returned_share, in place of all that is said of leaves.

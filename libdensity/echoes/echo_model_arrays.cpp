@@ -41,7 +41,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.wood_returned.value_or(0),
           m.leaf_normals ? m.leaf_normals->value : 0,
           m.leaf_normals ? m.leaf_normals->error : 0,
-          m.range_resolution_error_m};
+          m.range_resolution_error_m,
+          m.dark_wood_error};
 }
 
 }  // namespace
@@ -63,7 +64,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
   // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
   // echo together with 18, what echoes hold of bare wood with 19, how leaves are
-  // turned with 22 (an error of 0: not told), how well the range resolution is known with 29.
+  // turned with 22 (an error of 0: not told), how well the range resolution is known with 29, what dark wood hides
+  // with 30.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -97,6 +99,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   }
   if (f.size() > kOldest + 13) m.range_resolution_error_m = f[kOldest + 13];
   if (!(m.range_resolution_error_m >= 0)) return damaged(arrays, "the range resolution's error is negative");
+  if (f.size() > kOldest + 14) m.dark_wood_error = f[kOldest + 14];
+  if (!(m.dark_wood_error >= 0)) return damaged(arrays, "dark wood cannot hide that much");
   if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");

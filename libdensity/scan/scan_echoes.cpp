@@ -61,7 +61,7 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
   if (model) {
     const double of_last = model->wood_returned ? kLastCountedError : kLastWeighedError;
     const bool unknown_leaf = !model->wood_returned && model->leaf_size_from == LeafSizeFrom::nothing;
-    return std::hypot(std::hypot(weighed_error(*model), unknown_leaf ? kUnknownLeafError : 0),
+    return std::hypot(std::hypot(weighed_error(*model), unknown_leaf ? kUnknownLeafError : 0, model->dark_wood_error),
                       std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, error_of_resolution(*model),
                                  last ? of_last : 0));
   }

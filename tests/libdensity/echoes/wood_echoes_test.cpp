@@ -65,6 +65,19 @@ TEST(WoodEchoes, WhatGrowsAtTheFootDoesNotCount) {
   EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 1000, 2);
 }
 
+TEST(WoodEchoes, DarkWoodIsMissingTheMoreTheFewerLeavesThereAre) {
+  EchoStatistics statistics = posts(300);  // a full echo of 1000
+  for (int i = 0; i < 3000; ++i) statistics.add_echo(700, 0.03);
+  EXPECT_NEAR(dark_wood_error(statistics, 1600), 2.5 / 10 * 0.375, 1e-9);
+  EXPECT_EQ(dark_wood_error(statistics, 900), 0);  // brighter than leaves
+  EXPECT_NEAR(dark_wood_error(posts(300), 1600), 0, 1e-9);
+  for (int i = 0; i < 3000; ++i) statistics.add_echo(700, 0.03);
+  EXPECT_NEAR(dark_wood_error(statistics, 1600), 2.5 / 20 * 0.375, 1e-9);
+  EchoStatistics few = posts(199);
+  few.add_echo(700, 0.03);
+  EXPECT_EQ(dark_wood_error(few, 1600), 0);
+}
+
 // exp(−3.3/x³), x the mean over the weakest.
 TEST(WoodEchoes, TheWeakerTheyAreTheMoreIsMissing) {
   const auto returned = [](double mean) { return wood_echoes(posts(1000), mean, 100)->returned_share; };
