@@ -212,7 +212,8 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, full, model), model);
   }
   model.leaf_normals = fit_leaf_normals(statistics.full());
-  model.dark_wood_error = dark_wood_error(statistics, model.full_echo);
+  model.wood_brightness = wood_brightness(statistics, model.full_echo), model.wood_per_side = known.wood_per_side;
+  model.wood_error = known.wood_per_side > 0 ? wood_error(statistics, model.full_echo) : 0;
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
   model.unreturned_share =
       model.lost_share * unreturned_per_lost(brightness_of(full, model), model.detection_share, widths_of_leaf(model));
@@ -244,8 +245,14 @@ EchoModel with_aspect(EchoModel model, const LeafAspect& aspect) {
   model.full_echo *= of_full + model.mean_echo_weight * (of_mean - of_full);
   model.full_echo += model.full_echo_per_cosine * (aspect.mean_cosine - kSphericalMeanCosine);
   model.full_echo = std::max(kWeakestFullEcho * before, model.full_echo);
+  model.wood_brightness *= before / model.full_echo;
   if (!model.beam.detection_share)
     model.detection_share = std::min(1.0, model.detection_share * before / model.full_echo);
+  return model;
+}
+
+EchoModel with_wood_as_leaves(EchoModel model) {
+  model.wood_per_side = 0;
   return model;
 }
 

@@ -39,8 +39,10 @@ struct EchoModel {
   /// Whether the range resolution is what is likely, and neither told nor measured, and its standard error.
   bool resolution_assumed = false;
   double range_resolution_error_m = 0;
-  /// Standard error of the logarithm of areas by wood that is darker than leaves (dark_wood_error()).
-  double dark_wood_error = 0;
+  /// How bright wood amid the leaves is beside them (wood_brightness()), and half its surface, m² per m² of the
+  /// canopy's side: 0 where wood counts for what leaves of its echoes would.
+  double wood_brightness = 1, wood_per_side = 0;
+  double wood_error = 0;  ///< standard error of the logarithm of areas by that (wood_error())
   /// What the normals of full echoes tell of how leaves are turned (fit_leaf_normals()).
   std::optional<LnRatio> leaf_normals;
   /// Of a scan of bare vines: WoodEchoes::returned_share, in place of all that is said of leaves.
@@ -52,6 +54,10 @@ struct EchoModel {
 /// holds more of one.
 EchoModel with_aspect(EchoModel model, const LeafAspect& aspect);
 
+/// The model that takes wood for leaves. Where scans of one block are subtracted from each other, wood that is seen
+/// alike in both cancels.
+EchoModel with_wood_as_leaves(EchoModel model);
+
 /// Whether the vines bear leaves, as far as it is known before anything is seen of them: as declared, or by the month.
 enum class Foliage { unknown, none, unlikely, likely };
 
@@ -61,6 +67,7 @@ struct EchoKnowledge {
   double range_resolution_m = 0.15;
   double full_echo = 0;      ///< 0: from the statistics
   double leaf_size_m2 = -1;  ///< negative: from the statistics
+  double wood_per_side = 0;  ///< half the surface of canes, cordons and wires, m² per m² of the canopy's side
   Foliage foliage = Foliage::unknown;
 };
 

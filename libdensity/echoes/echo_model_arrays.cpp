@@ -42,7 +42,9 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.leaf_normals ? m.leaf_normals->value : 0,
           m.leaf_normals ? m.leaf_normals->error : 0,
           m.range_resolution_error_m,
-          m.dark_wood_error};
+          m.wood_error,
+          m.wood_brightness,
+          m.wood_per_side};
 }
 
 }  // namespace
@@ -64,8 +66,8 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   // what follows with 11, what beams without an echo have met and the mean echo's weight with 12, what the cloud lacks
   // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
   // echo together with 18, what echoes hold of bare wood with 19, how leaves are
-  // turned with 22 (an error of 0: not told), how well the range resolution is known with 29, what dark wood hides
-  // with 30.
+  // turned with 22 (an error of 0: not told), how well the range resolution is known with 29, what areas are off by
+  // wood's brightness with 30, that and how much wood there is with 31.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -99,8 +101,10 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   }
   if (f.size() > kOldest + 13) m.range_resolution_error_m = f[kOldest + 13];
   if (!(m.range_resolution_error_m >= 0)) return damaged(arrays, "the range resolution's error is negative");
-  if (f.size() > kOldest + 14) m.dark_wood_error = f[kOldest + 14];
-  if (!(m.dark_wood_error >= 0)) return damaged(arrays, "dark wood cannot hide that much");
+  if (f.size() > kOldest + 14) m.wood_error = f[kOldest + 14];
+  if (f.size() > kOldest + 16) m.wood_brightness = f[kOldest + 15], m.wood_per_side = f[kOldest + 16];
+  if (!(m.wood_error >= 0)) return damaged(arrays, "areas cannot be off that much by wood");
+  if (!(m.wood_brightness > 0 && m.wood_per_side >= 0)) return damaged(arrays, "wood cannot be so dark, or so little");
   if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");
   if (!(m.mean_echo_weight >= 0 && m.mean_echo_weight <= 1)) return damaged(arrays, "echoes cannot weigh that much");
   if (!(m.unreturned_share >= 0)) return damaged(arrays, "beams without an echo cannot have met that");

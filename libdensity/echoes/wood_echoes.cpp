@@ -13,7 +13,9 @@ constexpr std::uint64_t kEnoughToCompare = 100;
 constexpr double kBrightShare = 0.95;  // of the echoes on trunks, or posts, are weaker than the bright ones
 constexpr double kDarkestTrunks = 0.4, kBrightestTrunks = 2.5;  // over posts
 constexpr double kMissing = 3.3, kMissingPower = 3, kLeastReturned = 0.25;
-constexpr double kEchoesOfBareVines = 2.5;  // for each of a beam that falls wholly on a post or trunk
+constexpr double kDarkestWood = 0.4, kBrightestWood = 1.6;  // over leaves
+constexpr double kEchoesOfBareVines = 2.5;                  // for each of a beam that falls wholly on a post or trunk
+constexpr double kWoodNotKnown = 0.6;                       // of how much there is, two of three times: a factor of 1.8
 constexpr double kError = 0.15, kErrorOfMissing = 0.3;
 
 std::uint64_t echoes_on(const EchoStatistics::Stems& stems) {
@@ -26,34 +28,35 @@ double trunks_over_posts(const EchoStatistics& statistics) {
   return posts > 0 ? std::clamp(trunks / posts, kDarkestTrunks, kBrightestTrunks) : 1;
 }
 
-/// Of beams that fall wholly on wood like that of the trunks.
-double full_echo_of_trunks(const EchoStatistics& statistics) {
+/// Of beams that fall wholly on wood like that of the trunks. Nothing: echoes of trunks are too few.
+std::optional<double> full_echo_of_trunks(const EchoStatistics& statistics) {
   const auto least = std::min(echoes_on(statistics.trunks()), echoes_on(statistics.posts()));
-  if (least < kEnoughToCompare || statistics.posts().full.count < kEnoughOnPosts) return statistics.wood().mean();
-  return statistics.posts().full.mean() * trunks_over_posts(statistics);
+  if (least >= kEnoughToCompare && statistics.posts().full.count >= kEnoughOnPosts)
+    return statistics.posts().full.mean() * trunks_over_posts(statistics);
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<double> full_echo_of_wood(const EchoStatistics& statistics) {
-  if (statistics.wood().count < kEnoughOnPosts) return std::nullopt;
-  return full_echo_of_trunks(statistics);
+double wood_brightness(const EchoStatistics& statistics, double full_echo) {
+  const std::optional<double> of_trunks = full_echo_of_trunks(statistics);
+  return of_trunks ? std::clamp(*of_trunks / full_echo, kDarkestWood, kBrightestWood) : 1;
 }
 
-double dark_wood_error(const EchoStatistics& statistics, double full_echo) {
-  const std::optional<double> of_wood = full_echo_of_wood(statistics);
-  if (!of_wood || statistics.echoes() == 0) return 0;
+double wood_error(const EchoStatistics& statistics, double full_echo) {
+  if (statistics.echoes() == 0) return 0;
   const double part = std::min(1.0, kEchoesOfBareVines * static_cast<double>(statistics.wood().count) /
                                         static_cast<double>(statistics.echoes()));
-  return part * std::max(0.0, 1 - *of_wood / full_echo);
+  return kWoodNotKnown * part * std::abs(1 - wood_brightness(statistics, full_echo));
 }
 
 std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest) {
-  const std::optional<double> full_echo = full_echo_of_wood(statistics);
-  if (!full_echo || !(weakest > 0) || !(mean > 0)) return std::nullopt;
+  const EchoStatistics::Sum wood = statistics.wood();
+  if (wood.count < kEnoughOnPosts || !(weakest > 0) || !(mean > 0)) return std::nullopt;
+  const double full_echo = full_echo_of_trunks(statistics).value_or(wood.mean());
   const double above_weakest = std::max(1.0, mean / weakest);
   const double returned = std::max(kLeastReturned, std::exp(-kMissing / std::pow(above_weakest, kMissingPower)));
-  return WoodEchoes{*full_echo, returned, std::hypot(kError, kErrorOfMissing * std::log(returned))};
+  return WoodEchoes{full_echo, returned, std::hypot(kError, kErrorOfMissing * std::log(returned))};
 }
 
 }  // namespace rayfield::density

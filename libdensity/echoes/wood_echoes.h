@@ -29,14 +29,14 @@ struct WoodEchoes {
 /// is the mean of those that fall wholly on either. Nothing where fewer than 200 beams fell wholly on posts and trunks.
 std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest);
 
-/// Mean intensity of an echo of thin wood that takes the whole beam (WoodEchoes::full_echo); nothing where fewer than
-/// 200 beams fell wholly on posts and trunks.
-std::optional<double> full_echo_of_wood(const EchoStatistics& statistics);
+/// Mean intensity of an echo of thin wood that takes the whole beam, as above, over that of leaves, `full_echo`: 0.4 to
+/// 1.6. 1 where trunks do not tell it.
+double wood_brightness(const EchoStatistics& statistics, double full_echo);
 
-/// Where echoes are weighed by the full echo of leaves, darker wood counts for what it throws back. What is missing of
-/// areas by that, as a standard error of their logarithm: what wood is darker than leaves, times its part of the
-/// echoes, 2.5 over the number of these for each of a beam that falls wholly on a post or trunk (bare vines have 0.1
-/// to 6.4, full leaf 20 and more). 0 where wood is as bright, or its brightness is not known.
-double dark_wood_error(const EchoStatistics& statistics, double full_echo);
+/// What areas are off where wood is not as bright as leaves, since how much of it stands amid the leaves is believed
+/// and not seen: as a standard error of their logarithm, 0.6 of what it differs from leaves in brightness, times its
+/// part of the echoes, 2.5 over the number of these for each of a beam that falls wholly on a post or trunk (bare vines
+/// have 0.1 to 6.4, full leaf 20 and more).
+double wood_error(const EchoStatistics& statistics, double full_echo);
 
 }  // namespace rayfield::density

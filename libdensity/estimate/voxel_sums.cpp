@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kRounds = 3;
 // What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How it is taken out"):
-// times the unreturned share and the optical path across the row, fading with the range resolution,
-constexpr double kUnreturnedAcross = 2.4, kFadesM = 0.25;
+// times the unreturned share and the optical path across the row, less where a coarse range resolution adds up leaves,
+constexpr double kUnreturnedAcross = 1.2, kFadesFromM = 0.17, kFadesM = 0.25;
 // the lost share over the optical path across, for wood, and
 constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
@@ -21,7 +21,8 @@ constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // between t and 1 − t, and is the likelier the lower t: times the square of that.
 constexpr double kBeforeStronger = 1.1, kBeforeLast = 11, kHalfOfBeam = 0.5;
 constexpr double kLeastReturned = 0.3, kMostReturned = 1.2;
-constexpr double kThicknessReachM = 1.5;  // along the row
+constexpr double kWoodProjection = 0.5, kMostWood = 0.8;  // of half its surface, turned at random; of the optical path
+constexpr double kThicknessReachM = 1.5;                  // along the row
 constexpr double kLeastPath = 0.1;  // of the path up to the echoes; echoes above a full one count as passed less behind
 
 /// The path of a voxel's beams, those parts of them that ran on behind their echoes included.
@@ -37,14 +38,22 @@ std::optional<double> width_of(const VoxelCounters& v, const EchoCounters& e) {
   return EchoCounters::kWidthUnitM * static_cast<double>(e.width) / units;
 }
 
-VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, double returned, const EchoModel& model) {
-  const double share = v.hits > 0 ? static_cast<double>(e.echo) / (model.full_echo * v.hits) : 0;
+/// What echoes mean at a place.
+struct EchoesThere {
+  double returned = 1;    ///< R
+  double brightness = 1;  ///< of what stands there, leaves and wood, beside that of leaves
+};
+
+VoxelSums wide_beam_sum(const VoxelCounters& v, const EchoCounters& e, const EchoesThere& there,
+                        const EchoModel& model) {
+  const double full_echo = there.brightness * model.full_echo;
+  const double share = v.hits > 0 ? static_cast<double>(e.echo) / (full_echo * v.hits) : 0;
   VoxelSums s;
   s.rays = v.rays, s.ends = v.hits;
   s.hits = v.hits * share;
   s.hits_squared = v.hits * share * share * (1 + model.echo_variation);
-  s.path = returned * path_of(v, e, model.full_echo);
-  s.hit_path = returned * share * v.hit_path_sides();
+  s.path = there.returned * path_of(v, e, model.full_echo);
+  s.hit_path = there.returned * share * v.hit_path_sides();
   s.potential = v.potential_sides();
   return s;
 }
@@ -99,25 +108,36 @@ std::vector<RowThere> row_along(std::span<const VoxelSums> sums, const CrossSect
   return out;
 }
 
-/// R of every voxel of a row from what the round before says of its density.
-class ReturnedOfRow {
+/// What echoes mean at every voxel of a row, from what the round before says of its density.
+class EchoesOfRow {
  public:
-  ReturnedOfRow(const EchoModel& model, const CrossSection& section) : model_(model), section_(section) {}
-  double operator()(std::size_t voxel, double width_m) const {
-    if (model_.wood_returned) return *model_.wood_returned;
+  EchoesOfRow(const EchoModel& model, const CrossSection& section) : model_(model), section_(section) {}
+  EchoesThere at(std::size_t voxel, std::optional<double> width_m) const {
+    if (model_.wood_returned) return {width_m ? *model_.wood_returned : 1, 1};
     const RowThere row = row_.empty() ? RowThere{} : row_[voxel / section_.voxels()];
+    return {width_m ? returned(row, *width_m) : 1, brightness(row.thickness)};
+  }
+
+  void learn(std::span<const VoxelSums> sums) { row_ = row_along(sums, section_); }
+
+ private:
+  double returned(const RowThere& row, double width_m) const {
     const double widths = model_.leaf_size_m2 > 0 ? width_m / std::sqrt(model_.leaf_size_m2) : 0;
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
-    const double unreturned = model_.unreturned_share * row.thickness * std::exp(-model_.range_resolution_m / kFadesM);
+    const double added_up_m = std::max(0.0, model_.range_resolution_m - kFadesFromM);
+    const double unreturned = model_.unreturned_share * row.thickness * std::exp(-added_up_m / kFadesM);
     const double of_wood = row.thickness > 0 ? model_.lost_share / std::max(kLeastAcross, row.thickness) : 0;
     const double missing = kUnreturnedAcross * unreturned + kLostOfWood * of_wood +
                            kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 
-  void learn(std::span<const VoxelSums> sums) { row_ = row_along(sums, section_); }
+  /// Of what stands there beside that of leaves: of the optical path across wood has as much as it has of itself.
+  double brightness(double thickness) const {
+    const double of_wood = thickness > 0 ? kWoodProjection * model_.wood_per_side / thickness : 0;
+    return 1 - std::min(kMostWood, of_wood) * (1 - model_.wood_brightness);
+  }
 
- private:
   /// −ln of what is left of the path for what echoes took that the lidar does not report.
   double in_other_echoes(double widths, double thickness) const {
     const double below_half = std::max(0.0, kHalfOfBeam - model_.detection_share);
@@ -147,14 +167,14 @@ std::vector<VoxelSums> thin_ray_sums(std::span<const VoxelCounters> counters) {
 std::vector<VoxelSums> wide_beam_sums(std::span<const VoxelCounters> counters, std::span<const EchoCounters> echoes,
                                       const CrossSection& section, const EchoModel& model) {
   std::vector<VoxelSums> sums(counters.size());
-  ReturnedOfRow returned(model, section);
+  EchoesOfRow row(model, section);
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t i = 0; i < counters.size(); ++i) {
       if (counters[i].rays == 0) continue;
-      const std::optional<double> width_m = width_of(counters[i], echoes[i]);
-      sums[i] = wide_beam_sum(counters[i], echoes[i], width_m ? returned(i, *width_m) : 1, model);
+      const EchoesThere there = row.at(i, width_of(counters[i], echoes[i]));
+      sums[i] = wide_beam_sum(counters[i], echoes[i], there, model);
     }
-    if (round + 1 < kRounds) returned.learn(sums);
+    if (round + 1 < kRounds) row.learn(sums);
   }
   return sums;
 }

@@ -31,8 +31,13 @@ constexpr const char* kWoodPrefix = "wood_";
 struct CountedWood {
   std::string prefix;  // of their names
   std::vector<tile::TileIndex> tiles;
-  std::optional<EchoModel> echoes;
+  bool weighed = false;  // by this scan's full echo
 };
+
+// The wood is seen in both scans, so that it cancels.
+std::optional<EchoModel> subtractable(const std::optional<EchoModel>& model) {
+  return model ? std::optional(with_wood_as_leaves(*model)) : std::nullopt;
+}
 
 // The size of the leaves alone: as given, or where both scans together tell it. Of beams that are not thin the model
 // knows it, for wood and leaves together.
@@ -75,14 +80,16 @@ Result<LeafMaps> subtract_rows(ScanWork& work, const RowLayout& layout, const Sc
   RAYFIELD_ASSIGN(RowVoxels wood, RowVoxels::open(work, counted.prefix, counted.tiles, bytes));
   const IntegrationOptions integration = integration_of_scan(work, voxels);
   RAYFIELD_ASSIGN(const EstimatorOptions estimator, estimator_of(work, voxels, counted));
+  const std::optional<EchoModel> of_leaves = subtractable(voxels.echoes);
+  const auto of_counted = counted.weighed ? of_leaves : std::nullopt;
   const auto leaves_of = [&](const Row& row, std::span<const Panel> panels,
                              std::span<PanelValue> values) -> Result<RowDensity> {
     EstimatorOptions options = estimator;
     RAYFIELD_ASSIGN(RowDensity of_plant,
-                    plant.density(row.number, voxels.row_segments, voxels.wood, options, voxels.echoes));
+                    plant.density(row.number, voxels.row_segments, voxels.wood, options, of_leaves));
     options.leaf_size_m2 = of_plant.leaf_size_m2;
     RAYFIELD_ASSIGN(RowDensity of_wood,
-                    wood.density(row.number, voxels.row_segments, voxels.wood, options, counted.echoes));
+                    wood.density(row.number, voxels.row_segments, voxels.wood, options, of_counted));
     // The published method knows nothing of how leaves are turned.
     if (options.estimator == Estimator::paper) of_plant.leaf_size_m2 = of_wood.leaf_size_m2 = 0;
     RAYFIELD_ASSIGN(RowDensity leaf, subtract_wood(std::move(of_plant), of_wood));
@@ -126,7 +133,7 @@ std::string leaf_key(const ScanWork& work, const ScanVoxels& voxels, const WoodS
   key.add(option_numbers(work.options.leaf)).add(option_numbers(work.options.estimator));
   key.add(option_numbers(work.options.voxel_fit));
   key.add(option_numbers(integration_of_scan(work, voxels))).add(option_numbers(work.options.plan));
-  if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(model_numbers(counted.echoes));
+  if (voxels.echoes) key.add(model_numbers(voxels.echoes)).add(static_cast<std::int64_t>(counted.weighed));
   key.add(std::vector<double>(voxels.rows_from_one_side.begin(), voxels.rows_from_one_side.end()));
   for (const tile::TileIndex index : voxels.tiles) key.add(work.files.sha256("voxels", tile_name(index)));
   for (const tile::TileIndex index : counted.tiles)
@@ -211,11 +218,11 @@ Result<LeafReport> read_leaves(ScanWork& work, const RowLayout& layout) {
 
 Result<LeafReport> separate_leaves(ScanWork& work, const RowLayout& layout, const ScanVoxels& voxels,
                                    const WoodScan& wood) {
-  CountedWood counted{"", voxels.tiles, voxels.echoes};  // of the scan itself: leaf areas are exactly 0
+  CountedWood counted{"", voxels.tiles, voxels.echoes.has_value()};  // of the scan itself: leaf areas are exactly 0
   if (wood.scan.scan_id != work.scan.scan_id) {
     counted.prefix = kWoodPrefix;
     RAYFIELD_ASSIGN(const auto view, view_of_wood(work, voxels, wood));
-    if (!view) counted.echoes.reset();
+    counted.weighed = view != nullptr;
     RAYFIELD_ASSIGN(counted.tiles, count_voxels(work, {wood.scan, wood.voxels, counted.prefix, view, /*pairs=*/false},
                                                 voxels.row_segments, voxels.wood));
   }

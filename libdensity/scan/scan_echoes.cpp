@@ -37,6 +37,7 @@ constexpr double kMissingRaysError = 0.15;
 constexpr double kAssumedResolutionError = 0.1, kUsualResolutionErrorM = 0.08;
 // Of leaves whose size is not measured: half as large or twice as large moves the mean echo by a tenth.
 constexpr double kUnknownLeafError = 0.1;
+constexpr double kNoteworthyBrightness = 0.1;  // of wood, away from that of leaves
 // What earlier echoes took of a beam whose last one is reported is made up for where echoes are weighed; where they are
 // counted, or of canes, thin wood is missing, behind which the ground gives another echo.
 constexpr double kLastWeighedError = 0.05, kLastCountedError = 0.25;
@@ -61,7 +62,7 @@ double error_of(const tile::ScanEntry& scan, const std::optional<EchoModel>& mod
   if (model) {
     const double of_last = model->wood_returned ? kLastCountedError : kLastWeighedError;
     const bool unknown_leaf = !model->wood_returned && model->leaf_size_from == LeafSizeFrom::nothing;
-    return std::hypot(std::hypot(weighed_error(*model), unknown_leaf ? kUnknownLeafError : 0, model->dark_wood_error),
+    return std::hypot(std::hypot(weighed_error(*model), unknown_leaf ? kUnknownLeafError : 0, model->wood_error),
                       std::hypot(model->lacks_downward_misses ? kMissingRaysError : 0, error_of_resolution(*model),
                                  last ? of_last : 0));
   }
@@ -95,7 +96,8 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
   key.add(option_numbers(work.options.segments)).add(option_numbers(work.voxels));
   key.add(option_numbers(work.options.beam)).add(work.options.estimator.leaf_size_m2).add(sample_m);
   const Foliage foliage = foliage_of(work.scan, work.store.config().crs);
-  key.add(static_cast<double>(foliage));
+  const double wood_per_side = work.options.wood.enabled ? work.options.wood.per_side : 0;
+  key.add(static_cast<double>(foliage)).add(wood_per_side);
   add_beam(key, view->beam);
   key.add(static_cast<double>(kSpotsVersion));
   key.add(work.layout_key).add(work.files.sha256("profile", "block"));
@@ -108,8 +110,9 @@ Result<std::optional<EchoModel>> measure_echoes(ScanWork& work, const RowLayout&
     RAYFIELD_ASSIGN(const SampledEchoes sampled, sample_echoes(work, row_segments, wood, view));
     if (!sampled.statistics) return arrays_from_echo_model(std::nullopt);
     RAYFIELD_ASSIGN(const BelievedResolution resolution, range_resolution_of_scan(work, surveyed, *sampled.statistics));
-    auto model = estimate_echo_model(*sampled.statistics, {view->beam, resolution.value_m, work.options.beam.full_echo,
-                                                           work.options.estimator.leaf_size_m2, foliage});
+    auto model =
+        estimate_echo_model(*sampled.statistics, {view->beam, resolution.value_m, work.options.beam.full_echo,
+                                                  work.options.estimator.leaf_size_m2, wood_per_side, foliage});
     if (model) {
       model->lacks_downward_misses = work.voxels.sure_return_m > 0;
       model->resolution_assumed = !is_known(resolution);
@@ -181,6 +184,8 @@ std::string beam_note(const tile::ScanEntry& scan, const std::optional<EchoModel
         "; how far apart its echoes are told is not known well, {:.0f} ± {:.0f} cm are assumed "
         "(`lidar.range_resolution_m` of the rig)",
         100 * model->range_resolution_m, 100 * model->range_resolution_error_m);
+  if (model->wood_per_side > 0 && std::abs(1 - model->wood_brightness) > kNoteworthyBrightness)
+    note += fmt::format("; wood is {:.2f} times as bright as leaves", model->wood_brightness);
   if (model->lacks_downward_misses)
     note += "; the cloud lacks the downward rays without a return, so that areas may be a third too large";
   if (scan.beam->returns == ReturnMode::last)

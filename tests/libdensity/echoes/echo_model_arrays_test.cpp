@@ -41,7 +41,9 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.beam.returns, b.beam.returns);
   EXPECT_EQ(a.resolution_assumed, b.resolution_assumed);
   EXPECT_EQ(a.range_resolution_error_m, b.range_resolution_error_m);
-  EXPECT_EQ(a.dark_wood_error, b.dark_wood_error);
+  EXPECT_EQ(a.wood_error, b.wood_error);
+  EXPECT_EQ(a.wood_brightness, b.wood_brightness);
+  EXPECT_EQ(a.wood_per_side, b.wood_per_side);
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
   EXPECT_EQ(a.wood_returned, b.wood_returned);
   ASSERT_EQ(a.leaf_normals.has_value(), b.leaf_normals.has_value());
@@ -73,7 +75,7 @@ TEST(EchoModelArrays, GiveBackWhichEchoTheLidarReports) {
     expect_same(**read, model);
     for (const double none : {-1.0, 0.5, 1.5, 4.0}) {
       std::vector<double> numbers = model_numbers(model);
-      numbers[numbers.size() - 8] = none;
+      numbers[numbers.size() - 10] = none;
       arrays.columns["model"] = numbers;
       EXPECT_FALSE(echo_model_from_arrays(arrays)) << none;
     }
@@ -114,12 +116,16 @@ TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
   whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
   whole.wood_returned = 0.8, whole.leaf_normals = LnRatio{0.4, 0.1}, whole.range_resolution_error_m = 0.03,
-  whole.dark_wood_error = 0.05;
+  whole.wood_error = 0.05, whole.wood_brightness = 0.6, whole.wood_per_side = 0.18;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.resize(numbers.size() - 2);
+  arrays.columns["model"] = numbers;
+  whole.wood_brightness = 1, whole.wood_per_side = 0;
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;
-  whole.dark_wood_error = 0;
+  whole.wood_error = 0;
   expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.pop_back();
   arrays.columns["model"] = numbers;

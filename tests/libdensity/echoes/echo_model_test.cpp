@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "libdensity/echoes/wood_echoes.h"
+
 namespace rayfield::density {
 namespace {
 
@@ -145,13 +147,33 @@ TEST(EchoModel, FullEchoesLackTheMoreTheWiderTheBeamBesideTheLeaf) {
       }
 }
 
+// One in twelve of the echoes is on a post or trunk.
+TEST(EchoModel, KnowsWoodFromTrunksAndHowMuchThereIsBeforehand) {
+  EchoStatistics statistics = whole_leaves(0.025, 0.5);
+  add_close_pairs(statistics);
+  for (int i = 0; i < 400; ++i)
+    for (const bool of_trunk : {false, true})
+      statistics.add_stem_echo(static_cast<std::uint16_t>((of_trunk ? 0.3 : 0.6) * kFull), {of_trunk, true, true});
+  EchoKnowledge known = lidar(0.025);
+  const EchoModel without = *estimate_echo_model(statistics, known);
+  EXPECT_EQ(without.wood_per_side, 0);
+  EXPECT_EQ(without.wood_error, 0);  // there is none
+  known.wood_per_side = 0.18;
+  const EchoModel model = *estimate_echo_model(statistics, known);
+  EXPECT_EQ(model.wood_per_side, 0.18);
+  EXPECT_NEAR(model.wood_brightness * model.full_echo, 0.3 * kFull, 2);
+  EXPECT_NEAR(model.wood_error, wood_error(statistics, model.full_echo), 1e-12);
+  EXPECT_EQ(with_wood_as_leaves(model).wood_per_side, 0);
+}
+
 // Leaves that lie flat are met at a smaller cosine by level rays, and their full echo is weaker.
 TEST(EchoModel, TheFullEchoGoesWithTheAnglesAtWhichRaysMeetLeaves) {
-  EchoModel model{.full_echo = 100, .detection_share = 0.2, .full_echo_per_cosine = 60};
+  EchoModel model{.full_echo = 100, .detection_share = 0.2, .full_echo_per_cosine = 60, .wood_brightness = 0.6};
   EXPECT_NEAR(with_aspect(model, {}).full_echo, 100, 1e-9);
   const EchoModel flat = with_aspect(model, {2.0 / 3 - 0.2, 1});
   EXPECT_NEAR(flat.full_echo, 88, 1e-9);
   EXPECT_NEAR(flat.detection_share, 0.2 / 0.88, 1e-9);  // the weakest echo is as it was
+  EXPECT_NEAR(flat.wood_brightness, 0.6 / 0.88, 1e-9);  // and so is wood's
   model.beam.detection_share = 0.2;
   EXPECT_EQ(with_aspect(model, {2.0 / 3 - 0.2, 1}).detection_share, 0.2);
   model.full_echo_per_cosine = 1000;

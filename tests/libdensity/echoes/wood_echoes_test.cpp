@@ -65,17 +65,35 @@ TEST(WoodEchoes, WhatGrowsAtTheFootDoesNotCount) {
   EXPECT_NEAR(wood_echoes(statistics, 500, 100)->full_echo, 1000, 2);
 }
 
-TEST(WoodEchoes, DarkWoodIsMissingTheMoreTheFewerLeavesThereAre) {
-  EchoStatistics statistics = posts(300);  // a full echo of 1000
-  for (int i = 0; i < 3000; ++i) statistics.add_echo(700, 0.03);
-  EXPECT_NEAR(dark_wood_error(statistics, 1600), 2.5 / 10 * 0.375, 1e-9);
-  EXPECT_EQ(dark_wood_error(statistics, 900), 0);  // brighter than leaves
-  EXPECT_NEAR(dark_wood_error(posts(300), 1600), 0, 1e-9);
-  for (int i = 0; i < 3000; ++i) statistics.add_echo(700, 0.03);
-  EXPECT_NEAR(dark_wood_error(statistics, 1600), 2.5 / 20 * 0.375, 1e-9);
-  EchoStatistics few = posts(199);
-  few.add_echo(700, 0.03);
-  EXPECT_EQ(dark_wood_error(few, 1600), 0);
+/// Posts and trunks of the same 330 and 110 full echoes of 1000 and 600.
+EchoStatistics dark_trunks() {
+  EchoStatistics statistics;
+  add_stems(statistics, false, 3000, 500, 1500);
+  add_stems(statistics, true, 1000, 300, 900);
+  return statistics;
+}
+
+TEST(WoodEchoes, WoodIsAsBrightBesideLeavesAsTrunksAre) {
+  EXPECT_NEAR(wood_brightness(dark_trunks(), 1000), 0.6, 0.002);
+  EXPECT_NEAR(wood_brightness(dark_trunks(), 500), 1.2, 0.004);
+  EXPECT_EQ(wood_brightness(dark_trunks(), 2000), 0.4);  // doubted
+  EXPECT_EQ(wood_brightness(dark_trunks(), 100), 1.6);
+}
+
+TEST(WoodEchoes, PostsAloneDoNotTellHowBrightWoodIs) { EXPECT_EQ(wood_brightness(posts(1000), 2000), 1); }
+
+TEST(WoodEchoes, WoodUnlikeLeavesIsInAreasTheMoreTheFewerLeavesThereAre) {
+  EchoStatistics statistics = dark_trunks();
+  const auto full = static_cast<double>(statistics.wood().count);
+  for (int i = 0; i < 20 * full; ++i) statistics.add_echo(700, 0.03);
+  EXPECT_NEAR(wood_error(statistics, 1000), 0.6 * 2.5 / 20 * 0.4, 1e-4);  // darker
+  EXPECT_NEAR(wood_error(statistics, 500), 0.6 * 2.5 / 20 * 0.2, 1e-4);   // brighter
+  for (int i = 0; i < 20 * full; ++i) statistics.add_echo(700, 0.03);
+  EXPECT_NEAR(wood_error(statistics, 1000), 0.6 * 2.5 / 40 * 0.4, 1e-4);
+  EchoStatistics of_posts = posts(300);
+  of_posts.add_echo(700, 0.03);
+  EXPECT_EQ(wood_error(of_posts, 1600), 0);
+  EXPECT_EQ(wood_error(EchoStatistics(), 1600), 0);
 }
 
 // exp(−3.3/x³), x the mean over the weakest.

@@ -47,7 +47,7 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
 /// By what the path is too long where `lost` of what leaves take is in no echo, in a row with that optical path across:
 /// docs/beams.md, "How it is taken out".
 double through(double lost, double across, double resolution_m = kResolution) {
-  const double hidden = 2.4 * kHidden * lost * across * std::exp(-resolution_m / 0.25);
+  const double hidden = 1.2 * kHidden * lost * across * std::exp(-std::max(0.0, resolution_m - 0.17) / 0.25);
   return std::exp(-hidden - 0.6 * lost / std::max(0.3, across));
 }
 double across(const VoxelSums& s) { return s.hits / s.path; }  // of a row of which the voxel is all there is
@@ -88,6 +88,26 @@ TEST(VoxelSums, WhatReturnsNothingIsMissingTheLessTheCoarserTheRangeResolution) 
     EXPECT_EQ(s.hits, all.hits);
     EXPECT_NEAR(s.path / through(0.1, across(s), resolution_m), all.path, 0.02);
   }
+}
+
+// Half of the surface of thin wood is seen, of what stands across the row; at most four fifths of that are wood.
+TEST(VoxelSums, WoodCountsAsItsBrightnessSays) {
+  const VoxelSums all = sums_of(voxel_with(0.5, 0.04), model_of(0));
+  for (const double per_side : {0.1, 0.3, 3.0})
+    for (const double brightness : {0.6, 1.0, 1.3}) {
+      EchoModel model = model_of(0);
+      model.wood_per_side = per_side, model.wood_brightness = brightness;
+      const VoxelSums s = sums_of(voxel_with(0.5, 0.04), model);
+      double hits = all.hits;
+      for (int round = 1; round < 3; ++round)  // from what the round before says of the row
+        hits = all.hits / (1 - std::min(0.8, 0.5 * per_side / (hits / all.path)) * (1 - brightness));
+      EXPECT_NEAR(s.path, all.path, 1e-3);
+      EXPECT_NEAR(s.hits, hits, 1e-3) << per_side << ", " << brightness;
+      EXPECT_NEAR(s.hit_path / s.hits, all.hit_path / all.hits, 1e-6);
+      EXPECT_EQ(sums_of(voxel_with(0.5, 0.04), with_wood_as_leaves(model)).hits, all.hits);
+      model.wood_returned = 0.8;  // all of it is wood, and the full echo is that of wood
+      EXPECT_EQ(sums_of(voxel_with(0.5, 0.04), model).hits, all.hits);
+    }
 }
 
 // Edges cut beams the more the wider these are beside a leaf, and less where leaves of one range resolution add up.

@@ -122,6 +122,21 @@ TEST(ScanEchoes, BareVinesAreSaidToBe) {
               std::hypot(IntegrationOptions{}.shared_error, 0.3), 1e-9);
 }
 
+TEST(ScanEchoes, WoodThatIsNotAsBrightAsLeavesIsSaidToBe) {
+  EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
+  const auto error = [&] { return integration_with_beam({}, scan_with(0.0136, 0.0119), model).shared_error; };
+  const auto said = [&] { return beam_note(scan_with(0.0136, 0.0119), model).find("wood is"); };
+  const double of_leaves = error();
+  model.wood_brightness = 0.6, model.wood_per_side = 0.18, model.wood_error = 0.1;
+  EXPECT_NEAR(error(), std::hypot(of_leaves, 0.1), 1e-9);
+  const std::string note = beam_note(scan_with(0.0136, 0.0119), model);
+  EXPECT_NE(note.find("wood is 0.60 times as bright as leaves"), std::string::npos) << note;
+  model.wood_brightness = 0.95;
+  EXPECT_EQ(said(), std::string::npos);
+  model.wood_brightness = 0.6, model.wood_per_side = 0;
+  EXPECT_EQ(said(), std::string::npos);
+}
+
 TEST(ScanEchoes, CloudsWithoutDownwardMissesAreTrustedLess) {
   EchoModel model{.full_echo = 100, .full_echo_error = 0.04};
   const IntegrationOptions options;
