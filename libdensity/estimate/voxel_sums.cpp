@@ -12,7 +12,7 @@ constexpr int kRounds = 3;
 // times the unreturned share and the optical path across the row, less where a coarse range resolution adds up leaves,
 constexpr double kUnreturnedAcross = 1.2, kFadesFromM = 0.17, kFadesM = 0.25;
 // the lost share over the optical path across, for wood, and
-constexpr double kLostOfWood = 0.6, kLeastAcross = 0.3;
+constexpr double kLostOfWood = 0.45, kLeastAcross = 0.3;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
 constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // of lidars that report one echo of several and not the first, what the others took: times the root of the width over a
