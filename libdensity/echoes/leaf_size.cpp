@@ -177,6 +177,20 @@ double excess_at_depth(const Observed& o, const SameLeaf& q) {
   return o.centre - (1 - (1 - centre) * std::min(1.0, survive_front) * survive_behind);
 }
 
+/// Of the steps of a ray, those at which it may be nearer to 0 than `reach_m` on every axis; a few more at either end.
+std::pair<int, int> steps_within(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double reach_m, double dt,
+                                 int steps) {
+  double begin = 0, end = steps;
+  for (int k = 0; k < 3; ++k) {
+    const double per_step = dt * ray[k];
+    if (per_step == 0) continue;
+    const double one = (-reach_m - from[k]) / per_step, other = (reach_m - from[k]) / per_step;
+    begin = std::max(begin, std::min(one, other)), end = std::min(end, std::max(one, other));
+  }
+  constexpr double kSlack = 2;  // for the half step and what rounding does
+  return {floor_int(std::max(0.0, begin - kSlack)), std::min(steps, ceil_int(std::max(0.0, end + kSlack)))};
+}
+
 }  // namespace
 
 double same_leaf_probability(double distance_m, double side_m, const PairWindows& windows) {
@@ -279,7 +293,8 @@ LeafShadow leaf_shadow(double area_m2, double voxel_m) {
     const Eigen::Vector3d offset = side * ((uniform() - uniform()) * axis_u + (uniform() - uniform()) * axis_v);
     const double cosine = std::abs(normal.dot(ray));  // hits are as frequent, and shadows as wide
     hits += cosine;
-    for (int step = 0; step < steps; ++step) {
+    const auto [first, last] = steps_within(offset, ray, voxel_m, dt, steps);
+    for (int step = first; step < last; ++step) {
       const Eigen::Vector3d at = offset + (step + 0.5) * dt * ray;
       all += dt * cosine * cosine * overlap(at, at);
       inside += dt * cosine * cosine * overlap(offset, at);

@@ -19,7 +19,7 @@ double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, c
 }  // namespace
 
 RowLocator::RowLocator(const RowLayout& layout, const tile::TileRef& tile, double margin_m, double half_width_m)
-    : layout_(&layout), half_width_m_(half_width_m) {
+    : half_width_m_(half_width_m) {
   const int n = ceil_int((tile.size_m + 2 * margin_m) / kCell) + 1;
   const Eigen::Vector2d corner = tile.corner() - Eigen::Vector2d::Constant(margin_m);
   cells_ = Grid2<Nearest>(corner, kCell, n, n);
@@ -27,26 +27,30 @@ RowLocator::RowLocator(const RowLayout& layout, const tile::TileRef& tile, doubl
   const double reach = half_width_m + kProlong + kCell;
   for (std::size_t r = 0; r < layout.rows.size(); ++r) {
     const auto& line = layout.rows[r].centreline;
-    std::vector<double> chainage(line.size(), 0.0);
-    for (std::size_t i = 1; i < line.size(); ++i) chainage[i] = chainage[i - 1] + (line[i] - line[i - 1]).norm();
+    std::vector<Segment>& segments = segments_.emplace_back();
+    double along_m = 0;
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      const Eigen::Vector2d d = line[i + 1] - line[i];
+      const double length_m = d.norm();
+      segments.push_back({along_m, length_m, line[i], d / length_m});
+      along_m += length_m;
+    }
     std::optional<RowInterval> part;
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
       const Eigen::Vector2d low = line[i].cwiseMin(line[i + 1]).array() - reach;
       const Eigen::Vector2d high = line[i].cwiseMax(line[i + 1]).array() + reach;
       if ((high.array() < corner.array()).any() || (low.array() > far_corner.array()).any()) continue;
-      enter(static_cast<int>(r), static_cast<int>(i), reach);
-      if (!part) part = RowInterval{static_cast<int>(r), chainage[i], chainage[i + 1]};
-      part->start_m = std::min(part->start_m, chainage[i]);
-      part->end_m = std::max(part->end_m, chainage[i + 1]);
+      enter(line[i], line[i + 1], {static_cast<int>(r), static_cast<int>(i), 0}, reach);
+      const double start_m = segments[i].chainage_m, end_m = start_m + segments[i].length_m;
+      if (!part) part = RowInterval{static_cast<int>(r), start_m, end_m};
+      part->start_m = std::min(part->start_m, start_m);
+      part->end_m = std::max(part->end_m, end_m);
     }
     if (part) intervals_.push_back(*part);
-    chainages_.push_back(std::move(chainage));
   }
 }
 
-void RowLocator::enter(int row, int segment, double reach_m) {
-  const auto& line = layout_->rows[row].centreline;
-  const Eigen::Vector2d a = line[segment], b = line[static_cast<std::size_t>(segment) + 1];
+void RowLocator::enter(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Nearest& segment, double reach_m) {
   const Eigen::Vector2d low = (a.cwiseMin(b) - cells_.origin) / kCell, high = (a.cwiseMax(b) - cells_.origin) / kCell;
   const int ring = ceil_int(reach_m / kCell);
   const int x0 = std::max(0, floor_int(low.x()) - ring);
@@ -58,7 +62,7 @@ void RowLocator::enter(int row, int segment, double reach_m) {
       const float distance = static_cast<float>(distance_to_segment(cells_.center(x, y), a, b));
       Nearest& cell = cells_.at(x, y);
       if (static_cast<double>(distance) <= reach_m && (cell.row < 0 || distance < cell.distance))
-        cell = {row, segment, distance};
+        cell = {segment.row, segment.segment, distance};
     }
 }
 
@@ -67,17 +71,17 @@ std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, do
   const int iy = floor_int((p.y() - cells_.origin.y()) / kCell);
   if (!cells_.contains(ix, iy) || cells_.at(ix, iy).row < 0) return std::nullopt;
   const Nearest& near = cells_.at(ix, iy);
-  const std::size_t row = static_cast<std::size_t>(near.row);
-  const auto& line = layout_->rows[row].centreline;
-  const int last = static_cast<int>(line.size()) - 2;
+  const std::vector<Segment>& segments = segments_[static_cast<std::size_t>(near.row)];
+  const int last = static_cast<int>(segments.size()) - 1;
   std::optional<Place> best;
   double best_distance = half_width_m_;
   bool outside = false;
   for (int s = std::max(0, near.segment - 1); s <= std::min(last, near.segment + 1); ++s) {
-    const Eigen::Vector2d a = line[s], d = line[static_cast<std::size_t>(s) + 1] - a;
-    const double length = d.norm();
+    const Segment& segment = segments[static_cast<std::size_t>(s)];
+    const double length = segment.length_m;
     if (length <= 0) continue;
-    const Eigen::Vector2d u = d / length, r = p - a;
+    const Eigen::Vector2d& u = segment.direction;
+    const Eigen::Vector2d r = p - segment.start;
     const double along = u.dot(r);
     // The outermost segments go on without end here, so that what lies past a row's end is not put beside it.
     const double t =
@@ -86,7 +90,7 @@ std::optional<RowLocator::Place> RowLocator::locate(const Eigen::Vector2d& p, do
     if (distance > best_distance) continue;
     best_distance = distance;
     outside = (s == 0 && along < -beyond_m) || (s == last && along > length + beyond_m);
-    best = Place{near.row, chainages_[row][s] + t, std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
+    best = Place{near.row, segment.chainage_m + t, std::copysign(distance, u.x() * r.y() - u.y() * r.x())};
   }
   if (outside) return std::nullopt;
   return best;

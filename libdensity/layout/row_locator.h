@@ -19,7 +19,7 @@ struct RowInterval {
 /// Finds the nearest row to points of one widened tile, and the point's place along and across that row.
 class RowLocator {
  public:
-  /// Looks at rows up to `half_width_m` away. `layout` must outlive the locator.
+  /// Looks at rows up to `half_width_m` away.
   RowLocator(const RowLayout& layout, const tile::TileRef& tile, double margin_m, double half_width_m);
 
   struct Place {
@@ -37,11 +37,15 @@ class RowLocator {
     std::int32_t row = -1, segment = 0;
     float distance = 0;
   };
-  void enter(int row, int segment, double reach_m);
+  struct Segment {
+    double chainage_m, length_m;
+    Eigen::Vector2d start, direction;
+  };
+  /// Into the cells up to `reach_m` from a segment from `a` to `b`, to which it is nearer than those before.
+  void enter(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Nearest& segment, double reach_m);
 
-  const RowLayout* layout_;
   double half_width_m_;
-  std::vector<std::vector<double>> chainages_;  // of every vertex
+  std::vector<std::vector<Segment>> segments_;  // of every row
   Grid2<Nearest> cells_;
   std::vector<RowInterval> intervals_;
 };
