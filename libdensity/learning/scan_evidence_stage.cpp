@@ -24,7 +24,7 @@ class LookAgain {
  public:
   LookAgain(const tile::TileRef& tile, const RowLayout& rows, const GroundModel& ground, const ProcessOptions& options)
       : canopy_(tile, ground, options.canopy), stems_(tile, rows, ground, options.posts) {}
-  void add(const tile::SegmentBatch& segments) { canopy_.add(segments), stems_.add(segments); }
+  void add(const tile::HitBatch& hits) { canopy_.add(hits), stems_.add(hits); }
   void merge(const LookAgain& other) { canopy_.merge(other.canopy_), stems_.merge(other.stems_); }
   const CanopyTile& canopy() const { return canopy_.finish(); }
   std::vector<Stem> stems() const { return stems_.finish(); }
@@ -91,7 +91,7 @@ Result<ScanEvidence> look(ScanWork& work, const SurveyedScan& surveyed, const Ro
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
     RAYFIELD_ASSIGN(const LookAgain sum,
-                    accumulate_tile(reader, LookAgain(work.tile_of(entry), known, surveyed.ground, work.options),
+                    accumulate_hits(reader, LookAgain(work.tile_of(entry), known, surveyed.ground, work.options),
                                     work.threads, work.progress));
     canopy.set(entry.index, sum.canopy());
     const std::vector<Stem> here = sum.stems();

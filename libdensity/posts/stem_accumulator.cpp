@@ -49,10 +49,8 @@ StemAccumulator::StemAccumulator(const StemAccumulator& other) : impl_(new Impl(
 StemAccumulator::StemAccumulator(StemAccumulator&&) noexcept = default;
 StemAccumulator& StemAccumulator::operator=(StemAccumulator&&) noexcept = default;
 
-void StemAccumulator::add(const tile::SegmentBatch& segments) {
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (!(segments.flags[i] & tile::kHit)) continue;
-    const Eigen::Vector3d& p = segments.exit[i];
+void StemAccumulator::add(const tile::HitBatch& hits) {
+  for (const Eigen::Vector3d& p : hits.end) {
     const auto place = impl_->locator.locate(p.head<2>(), kBeyond);
     if (!place) continue;
     const auto ground = impl_->ground->height(p.x(), p.y());
@@ -66,6 +64,8 @@ void StemAccumulator::add(const tile::SegmentBatch& segments) {
     if (cell < 255) ++cell;
   }
 }
+
+bool StemAccumulator::empty() const { return impl_->grids.empty(); }
 
 void StemAccumulator::merge(const StemAccumulator& other) {
   for (std::size_t g = 0; g < impl_->grids.size(); ++g) {

@@ -23,8 +23,10 @@ class StemAccumulator {
   StemAccumulator& operator=(const StemAccumulator&) = delete;
   StemAccumulator(StemAccumulator&&) noexcept;
   StemAccumulator& operator=(StemAccumulator&&) noexcept;
-  void add(const tile::SegmentBatch& segments);
+  void add(const tile::HitBatch& hits);
   void merge(const StemAccumulator& other);
+  /// No row runs through the tile.
+  bool empty() const;
   /// Stems whose axis stands in the tile, ordered by row and chainage.
   std::vector<Stem> finish() const;
 

@@ -20,11 +20,10 @@ CanopyAccumulator::CanopyAccumulator(const tile::TileRef& tile, const GroundMode
   tile_.layers.fill(Grid2<std::uint8_t>(tile.corner(), tile.size_m / n, n, n));
 }
 
-void CanopyAccumulator::add(const tile::SegmentBatch& segments) {
-  constexpr std::uint8_t kWanted = tile::kHit | tile::kEndsHere;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if ((segments.flags[i] & kWanted) != kWanted) continue;
-    const Eigen::Vector3d& p = segments.exit[i];
+void CanopyAccumulator::add(const tile::HitBatch& hits) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if ((hits.flags[i] & tile::kEndsHere) == 0) continue;
+    const Eigen::Vector3d& p = hits.end[i];
     const auto ground = ground_->height(p.x(), p.y());
     if (!ground) continue;
     const double up = p.z() - *ground;

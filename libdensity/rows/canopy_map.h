@@ -24,7 +24,7 @@ class CanopyAccumulator {
  public:
   /// `ground` must outlive the accumulator. Hits above unknown ground are left out.
   CanopyAccumulator(const tile::TileRef& tile, const GroundModel& ground, const CanopyMapOptions& options);
-  void add(const tile::SegmentBatch& segments);
+  void add(const tile::HitBatch& hits);
   void merge(const CanopyAccumulator& other);
   const CanopyTile& finish() const { return tile_; }
 

@@ -131,7 +131,7 @@ Result<std::vector<Stem>> stems_along(ScanWork& work, const GroundModel& ground,
     RAYFIELD_CHECK(check_cancelled(work.progress));
     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
     RAYFIELD_ASSIGN(const StemAccumulator sum,
-                    accumulate_tile(reader, StemAccumulator(work.tile_of(entry), rows, ground, work.options.posts),
+                    accumulate_hits(reader, StemAccumulator(work.tile_of(entry), rows, ground, work.options.posts),
                                     work.threads, work.progress));
     const std::vector<Stem> here = sum.finish();
     stems.insert(stems.end(), here.begin(), here.end());
@@ -158,7 +158,7 @@ Result<FoundLayout> find_layout(ScanWork& work, const SurveyedScan& surveyed) {
     RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
     RAYFIELD_ASSIGN(
         const CanopyAccumulator sum,
-        accumulate_tile(reader, CanopyAccumulator(work.tile_of(entry), surveyed.ground, work.options.canopy),
+        accumulate_hits(reader, CanopyAccumulator(work.tile_of(entry), surveyed.ground, work.options.canopy),
                         work.threads, work.progress));
     canopy.set(entry.index, sum.finish());
     work.progress.advance(entry.start_count);
@@ -195,7 +195,7 @@ Result<CanopyProfile> profile_canopy(ScanWork& work, const RowLayout& layout, co
       RAYFIELD_ASSIGN(const auto reader, work.store.open_tile(entry));
       RAYFIELD_ASSIGN(
           const CanopyProfileAccumulator sum,
-          accumulate_tile(reader, CanopyProfileAccumulator(work.tile_of(entry), layout, ground, work.options.segments),
+          accumulate_hits(reader, CanopyProfileAccumulator(work.tile_of(entry), layout, ground, work.options.segments),
                           work.threads, work.progress));
       add_profile(profile, sum.finish());
       work.progress.advance(entry.start_count);

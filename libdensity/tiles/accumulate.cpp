@@ -5,6 +5,21 @@
 #include "rayfield/core/parallel.h"
 
 namespace rayfield::density {
+namespace {
+
+// Reads one batch after the other into one per worker, and passes them on.
+template <class Batch, class Read, class Add>
+Result<void> for_batches(std::size_t count, int workers, const Progress& progress, const Read& read, const Add& add) {
+  std::vector<Batch> batches(static_cast<std::size_t>(workers));
+  return parallel_for(count, workers, [&](std::size_t i, int worker) -> Result<void> {
+    Batch& batch = batches[static_cast<std::size_t>(worker)];
+    RAYFIELD_CHECK(check_cancelled(progress));
+    RAYFIELD_CHECK(read(i, batch));
+    return add(batch, worker);
+  });
+}
+
+}  // namespace
 
 Result<void> check_cancelled(const Progress& progress) {
   if (progress.cancelled())
@@ -18,16 +33,18 @@ int chunk_workers(const tile::Store::TileReader& reader, int threads) {
 }
 
 Result<void> for_chunks(const tile::Store::TileReader& reader, int workers, const Progress& progress,
-                        const std::function<Result<void>(const tile::SegmentBatch& segments, int worker)>& add,
-                        std::size_t every) {
-  std::vector<tile::SegmentBatch> batches(static_cast<std::size_t>(workers));
+                        const AddSegments& add, std::size_t every) {
   const std::size_t count = (reader.chunk_count() + every - 1) / every;
-  return parallel_for(count, workers, [&](std::size_t i, int worker) -> Result<void> {
-    tile::SegmentBatch& batch = batches[worker];
-    RAYFIELD_CHECK(check_cancelled(progress));
-    RAYFIELD_CHECK(reader.read_chunk(i * every, batch));
-    return add(batch, worker);
-  });
+  return for_batches<tile::SegmentBatch>(
+      count, workers, progress,
+      [&](std::size_t i, tile::SegmentBatch& batch) { return reader.read_chunk(i * every, batch); }, add);
+}
+
+Result<void> for_hits(const tile::Store::TileReader& reader, int workers, const Progress& progress,
+                      const AddHits& add) {
+  return for_batches<tile::HitBatch>(
+      reader.chunk_count(), workers, progress,
+      [&](std::size_t chunk, tile::HitBatch& batch) { return reader.read_hits(chunk, batch); }, add);
 }
 
 }  // namespace rayfield::density

@@ -47,12 +47,11 @@ CanopyProfileAccumulator::CanopyProfileAccumulator(const CanopyProfileAccumulato
 CanopyProfileAccumulator::CanopyProfileAccumulator(CanopyProfileAccumulator&&) noexcept = default;
 CanopyProfileAccumulator& CanopyProfileAccumulator::operator=(CanopyProfileAccumulator&&) noexcept = default;
 
-void CanopyProfileAccumulator::add(const tile::SegmentBatch& segments) {
-  constexpr std::uint8_t kWanted = tile::kHit | tile::kEndsHere;
+void CanopyProfileAccumulator::add(const tile::HitBatch& hits) {
   CanopyProfile& profile = impl_->profile;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if ((segments.flags[i] & kWanted) != kWanted) continue;
-    const Eigen::Vector3d& p = segments.exit[i];
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if ((hits.flags[i] & tile::kEndsHere) == 0) continue;
+    const Eigen::Vector3d& p = hits.end[i];
     const auto place = impl_->locator.locate(p.head<2>());
     if (!place) continue;
     const auto ground = impl_->ground->height(p.x(), p.y());
@@ -84,6 +83,8 @@ void add_profile(CanopyProfile& total, const CanopyProfile& tile) {
   };
   add(total.across, tile.across), add(total.up, tile.up);
 }
+
+bool CanopyProfileAccumulator::empty() const { return impl_->locator.intervals().empty(); }
 
 void CanopyProfileAccumulator::merge(const CanopyProfileAccumulator& other) {
   add_profile(impl_->profile, other.impl_->profile);

@@ -31,8 +31,10 @@ class CanopyProfileAccumulator {
   CanopyProfileAccumulator& operator=(const CanopyProfileAccumulator&) = delete;
   CanopyProfileAccumulator(CanopyProfileAccumulator&&) noexcept;
   CanopyProfileAccumulator& operator=(CanopyProfileAccumulator&&) noexcept;
-  void add(const tile::SegmentBatch& segments);
+  void add(const tile::HitBatch& hits);
   void merge(const CanopyProfileAccumulator& other);
+  /// No row runs through the tile.
+  bool empty() const;
   const CanopyProfile& finish() const;
 
  private:

@@ -12,7 +12,33 @@ struct TileReader::Impl {
   TileIndex index;
   std::vector<TilePart> parts;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> chunks;  // part, chunk within it
+
+  const TilePart& part_of(std::size_t chunk) const { return parts[chunks[chunk].first]; }
+  const ChunkLayout& layout_of(std::size_t chunk) const { return part_of(chunk).chunks[chunks[chunk].second]; }
+  Result<EncodedColumns> read(std::size_t chunk, const std::array<bool, kColumnCount>& wanted) const;
 };
+
+// The bytes of a chunk's columns, those that are not wanted empty; valid until the thread reads the next.
+Result<EncodedColumns> TileReader::Impl::read(std::size_t chunk, const std::array<bool, kColumnCount>& wanted) const {
+  const std::filesystem::path& path = part_of(chunk).path;
+  const ChunkLayout& layout = layout_of(chunk);
+  static thread_local std::vector<std::byte> bytes;
+  std::size_t total = 0;
+  for (const ChunkPlace& place : layout.columns) total += place.size;
+  bytes.resize(total);
+  const auto file = open_regular_file(path.string(), "cannot read file of the store");
+  if (!file) return tl::make_unexpected(as_damage(file.error()));
+  EncodedColumns columns;
+  std::size_t offset = 0;
+  for (std::size_t k = 0; k < kColumnCount; ++k) {
+    if (!wanted[k]) continue;
+    const auto target = std::span(bytes).subspan(offset, layout.columns[k].size);
+    RAYFIELD_CHECK(read_exactly(file->descriptor, layout.columns[k].offset, target, path));
+    columns[k] = target;
+    offset += target.size();
+  }
+  return columns;
+}
 
 Result<TileReader> TileReader::open(const OpenStore& store, const TileEntry& tile) {
   const auto reader = std::make_shared<Impl>(Impl{TileGrid(store.config), tile.index, {}, {}});
@@ -39,31 +65,20 @@ Result<TileReader> TileReader::open(const OpenStore& store, const TileEntry& til
 
 std::size_t TileReader::chunk_count() const { return impl_->chunks.size(); }
 
-std::size_t TileReader::chunk_size(std::size_t chunk) const {
-  const auto [part, within] = impl_->chunks[chunk];
-  return impl_->parts[part].chunks[within].count;
-}
+std::size_t TileReader::chunk_size(std::size_t chunk) const { return impl_->layout_of(chunk).count; }
 
 Result<void> TileReader::read_chunk(std::size_t chunk, SegmentBatch& segments) const {
-  const auto [part_number, within] = impl_->chunks[chunk];
-  const TilePart& part = impl_->parts[part_number];
-  const ChunkLayout& layout = part.chunks[within];
-  static thread_local std::vector<std::byte> bytes;
-  std::size_t total = 0;
-  for (const ChunkPlace& place : layout.columns) total += place.size;
-  bytes.resize(total);
-  const auto file = open_regular_file(part.path.string(), "cannot read file of the store");
-  if (!file) return tl::make_unexpected(as_damage(file.error()));
-  std::array<std::span<const std::byte>, kColumnCount> columns;
-  std::size_t offset = 0;
-  for (std::size_t k = 0; k < kColumnCount; ++k) {
-    const auto target = std::span(bytes).subspan(offset, layout.columns[k].size);
-    RAYFIELD_CHECK(read_exactly(file->descriptor, layout.columns[k].offset, target, part.path));
-    columns[k] = target;
-    offset += target.size();
-  }
+  RAYFIELD_ASSIGN(const EncodedColumns columns, impl_->read(chunk, kAllColumns));
+  const ChunkLayout& layout = impl_->layout_of(chunk);
   return decode_chunk(columns, layout.count, layout.chunk_elements, impl_->index, impl_->grid, segments,
-                      part.path.string());
+                      impl_->part_of(chunk).path.string());
+}
+
+Result<void> TileReader::read_hits(std::size_t chunk, HitBatch& hits) const {
+  RAYFIELD_ASSIGN(const EncodedColumns columns, impl_->read(chunk, kColumnsOfHits));
+  const ChunkLayout& layout = impl_->layout_of(chunk);
+  return decode_hits(columns, layout.count, layout.chunk_elements, impl_->index, impl_->grid, hits,
+                     impl_->part_of(chunk).path.string());
 }
 
 }  // namespace rayfield::tile

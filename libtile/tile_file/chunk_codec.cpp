@@ -50,18 +50,27 @@ struct Scratch {
   std::vector<std::uint8_t> flags;
 };
 
-void undo_first_differences(std::span<std::uint32_t> values) {
-  std::uint32_t value = 0;
-  for (std::uint32_t& v : values) v = value += unzigzag(v);
-}
-
-void undo_second_differences(std::span<std::uint32_t> values) {
-  std::uint32_t value = 0, step = 0;
-  for (std::uint32_t& v : values) {
-    step += unzigzag(v);
-    v = value += step;
+// Undoes the differences of decompressed rays, one after the other.
+class RayDecoder {
+ public:
+  explicit RayDecoder(const Scratch& scratch) {
+    for (std::size_t k = 0; k < 6; ++k) columns_[k] = scratch.geometry[k].data();
   }
-}
+  LocalRay next() {
+    LocalRay ray;
+    for (std::size_t k = 0; k < 3; ++k) {
+      origin_[k] += unzigzag(*columns_[k]++);
+      step_[k] += unzigzag(*columns_[k + 3]++);
+      ray_[k] += step_[k];
+      ray.origin[k] = static_cast<std::int32_t>(origin_[k]), ray.ray[k] = static_cast<std::int32_t>(ray_[k]);
+    }
+    return ray;
+  }
+
+ private:
+  std::array<const std::uint32_t*, 6> columns_;
+  std::array<std::uint32_t, 3> origin_{}, ray_{}, step_{};
+};
 
 template <class T>
 bool decompress_into(std::span<const std::byte> blob, std::size_t elements, std::vector<T>& out) {
@@ -69,40 +78,61 @@ bool decompress_into(std::span<const std::byte> blob, std::size_t elements, std:
   return decompress(blob, std::as_writable_bytes(std::span(out)));
 }
 
-bool decompress_columns(const std::array<std::span<const std::byte>, kColumnCount>& columns, std::size_t elements,
-                        Scratch& scratch) {
+bool decompress_geometry(const EncodedColumns& columns, std::size_t elements, Scratch& scratch) {
   for (std::size_t k = 0; k < 6; ++k) {
     if (!decompress_into(columns[k], elements, scratch.geometry[k])) return false;
   }
-  return decompress_into(columns[6], elements, scratch.time) &&
-         decompress_into(columns[7], elements, scratch.intensity) &&
-         decompress_into(columns[8], elements, scratch.flags);
+  return decompress_into(columns[8], elements, scratch.flags);
 }
 
-// Turns decoded integers into clipped segments in map metres. One division by the units per metre of an exact integer
-// gives the same double in every tile that holds the point.
+tl::unexpected<Error> cannot_decompress(const std::string& where) {
+  return fail(ErrorCode::damaged, "cannot read tile", where, "a chunk cannot be decompressed", "run `rayfield verify`");
+}
+
+bool are_sizes_of_chunk(std::size_t count, std::size_t chunk_elements) {
+  return count <= chunk_elements && chunk_elements <= kChunkSegments;
+}
+
+// The end of a ray, in the tile's units.
+std::array<std::int64_t, 3> end_of(const LocalRay& ray) {
+  std::array<std::int64_t, 3> end;
+  for (std::size_t k = 0; k < 3; ++k) end[k] = std::int64_t{ray.origin[k]} + ray.ray[k];
+  return end;
+}
+
+// Map metres of a place in a tile. One division by the units per metre of an exact integer gives the same double in
+// every tile that holds the point.
+class MapPlaces {
+ public:
+  MapPlaces(TileIndex tile, const TileGrid& grid) : x0_(tile.ix * grid.size), y0_(tile.iy * grid.size) {}
+  Eigen::Vector3d at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return {whole(x0_ + x), whole(y0_ + y), whole(z)};
+  }
+  Eigen::Vector3d along(const LocalRay& ray, double t) const {
+    return {(static_cast<double>(x0_ + ray.origin[0]) + t * ray.ray[0]) / kUnitsPerMetre,
+            (static_cast<double>(y0_ + ray.origin[1]) + t * ray.ray[1]) / kUnitsPerMetre,
+            (static_cast<double>(ray.origin[2]) + t * ray.ray[2]) / kUnitsPerMetre};
+  }
+
+ private:
+  static double whole(std::int64_t units) { return static_cast<double>(units) / kUnitsPerMetre; }
+  std::int64_t x0_, y0_;
+};
+
+// Turns decoded integers into clipped segments.
 void to_segments(const Scratch& scratch, std::size_t count, TileIndex tile, const TileGrid& grid, SegmentBatch& out) {
-  const std::int64_t x0 = tile.ix * grid.size, y0 = tile.iy * grid.size;
+  const MapPlaces places(tile, grid);
   const std::int32_t low = grid.low(), high = grid.high();
-  const auto whole = [](std::int64_t units) { return static_cast<double>(units) / kUnitsPerMetre; };
+  RayDecoder rays(scratch);
   for (std::size_t i = 0; i < count; ++i) {
-    LocalRay ray;
-    for (std::size_t k = 0; k < 3; ++k) {
-      ray.origin[k] = static_cast<std::int32_t>(scratch.geometry[k][i]);
-      ray.ray[k] = static_cast<std::int32_t>(scratch.geometry[k + 3][i]);
-    }
-    const std::int64_t ox = ray.origin[0], oy = ray.origin[1], oz = ray.origin[2];
-    const std::int64_t ex = ox + ray.ray[0], ey = oy + ray.ray[1], ez = oz + ray.ray[2];
+    const LocalRay ray = rays.next();
+    const auto [ox, oy, oz] = ray.origin;
+    const auto [ex, ey, ez] = end_of(ray);
     const bool starts = inside(ox, oy, low, high), ends = inside(ex, ey, low, high);
     ClipRange range;
     if (!(starts && ends)) clip(ray, low, high, range);
-    const auto along = [&](double t) {
-      return Eigen::Vector3d((static_cast<double>(x0 + ox) + t * ray.ray[0]) / kUnitsPerMetre,
-                             (static_cast<double>(y0 + oy) + t * ray.ray[1]) / kUnitsPerMetre,
-                             (static_cast<double>(oz) + t * ray.ray[2]) / kUnitsPerMetre);
-    };
-    out.entry[i] = starts ? Eigen::Vector3d(whole(x0 + ox), whole(y0 + oy), whole(oz)) : along(range.begin);
-    out.exit[i] = ends ? Eigen::Vector3d(whole(x0 + ex), whole(y0 + ey), whole(ez)) : along(range.end);
+    out.entry[i] = starts ? places.at(ox, oy, oz) : places.along(ray, range.begin);
+    out.exit[i] = ends ? places.at(ex, ey, ez) : places.along(ray, range.end);
   }
 }
 
@@ -111,6 +141,16 @@ void to_segments(const Scratch& scratch, std::size_t count, TileIndex tile, cons
 void ChunkSummary::add(const ChunkSummary& other) {
   segments += other.segments, starts += other.starts, hits += other.hits;
   bounds.extend(other.bounds);
+}
+
+EncodedColumns EncodedChunk::columns() const {
+  EncodedColumns columns;
+  std::size_t offset = 0;
+  for (std::size_t k = 0; k < kColumnCount; ++k) {
+    columns[k] = std::span(bytes).subspan(offset, sizes[k]);
+    offset += sizes[k];
+  }
+  return columns;
 }
 
 // Columns in the order of kTileColumns: differences of origins and times, differences of differences of ray vectors.
@@ -162,18 +202,13 @@ ChunkSummary summarize(std::span<const RayRecord> records, TileIndex tile, const
   return summary;
 }
 
-Result<void> decode_chunk(const std::array<std::span<const std::byte>, kColumnCount>& columns, std::size_t count,
-                          std::size_t chunk_elements, TileIndex tile, const TileGrid& grid, SegmentBatch& segments,
-                          const std::string& where) {
+Result<void> decode_chunk(const EncodedColumns& columns, std::size_t count, std::size_t chunk_elements, TileIndex tile,
+                          const TileGrid& grid, SegmentBatch& segments, const std::string& where) {
   static thread_local Scratch scratch;
-  if (count > chunk_elements || chunk_elements > kChunkSegments ||
-      !decompress_columns(columns, chunk_elements, scratch))
-    return fail(ErrorCode::damaged, "cannot read tile", where, "a chunk cannot be decompressed",
-                "run `rayfield verify`");
-  for (std::size_t k = 0; k < 3; ++k) {
-    undo_first_differences(std::span(scratch.geometry[k]).first(count));
-    undo_second_differences(std::span(scratch.geometry[k + 3]).first(count));
-  }
+  if (!are_sizes_of_chunk(count, chunk_elements) || !decompress_geometry(columns, chunk_elements, scratch) ||
+      !decompress_into(columns[6], chunk_elements, scratch.time) ||
+      !decompress_into(columns[7], chunk_elements, scratch.intensity))
+    return cannot_decompress(where);
   segments.entry.resize(count);
   segments.exit.resize(count);
   segments.time_s.resize(count);
@@ -185,6 +220,23 @@ Result<void> decode_chunk(const std::array<std::span<const std::byte>, kColumnCo
   }
   segments.intensity.assign(scratch.intensity.begin(), scratch.intensity.begin() + static_cast<std::ptrdiff_t>(count));
   segments.flags.assign(scratch.flags.begin(), scratch.flags.begin() + static_cast<std::ptrdiff_t>(count));
+  return {};
+}
+
+Result<void> decode_hits(const EncodedColumns& columns, std::size_t count, std::size_t chunk_elements, TileIndex tile,
+                         const TileGrid& grid, HitBatch& hits, const std::string& where) {
+  static thread_local Scratch scratch;
+  if (!are_sizes_of_chunk(count, chunk_elements) || !decompress_geometry(columns, chunk_elements, scratch))
+    return cannot_decompress(where);
+  const MapPlaces places(tile, grid);
+  RayDecoder rays(scratch);
+  hits.end.clear(), hits.flags.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const LocalRay ray = rays.next();
+    if ((scratch.flags[i] & kHit) == 0) continue;
+    const auto [x, y, z] = end_of(ray);
+    hits.end.push_back(places.at(x, y, z)), hits.flags.push_back(scratch.flags[i]);
+  }
   return {};
 }
 

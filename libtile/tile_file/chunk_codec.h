@@ -45,12 +45,20 @@ inline constexpr std::array<ColumnSpec, kColumnCount> kTileColumns{{{"origin_x",
                                                                     {"intensity", ElementType::u16},
                                                                     {"flags", ElementType::u8}}};
 
+/// Of a chunk, in the order of kTileColumns.
+using EncodedColumns = std::array<std::span<const std::byte>, kColumnCount>;
+/// Which of them a reader wants.
+inline constexpr std::array<bool, kColumnCount> kAllColumns{true, true, true, true, true, true, true, true, true};
+inline constexpr std::array<bool, kColumnCount> kColumnsOfHits{true, true, true, true, true, true, false, false, true};
+
 /// A compressed chunk: its columns' buffers one after the other.
 struct EncodedChunk {
   std::uint32_t count = 0;           ///< segments
   std::uint32_t chunk_elements = 0;  ///< count, or more where the last chunk of a file is padded
   std::array<std::uint32_t, kColumnCount> sizes{};
   std::vector<std::byte> bytes;
+
+  EncodedColumns columns() const;
 };
 
 /// What a chunk adds to its tile's entry.
@@ -65,10 +73,11 @@ EncodedChunk encode_chunk(std::span<const RayRecord> records, std::size_t chunk_
 
 ChunkSummary summarize(std::span<const RayRecord> records, TileIndex tile, const TileGrid& grid);
 
-/// Decompresses a chunk and clips its rays to the widened tile. `columns` in the order of kTileColumns. Errors:
-/// damaged.
-Result<void> decode_chunk(const std::array<std::span<const std::byte>, kColumnCount>& columns, std::size_t count,
-                          std::size_t chunk_elements, TileIndex tile, const TileGrid& grid, SegmentBatch& segments,
-                          const std::string& where);
+/// Decompresses a chunk and clips its rays to the widened tile. Errors: damaged.
+Result<void> decode_chunk(const EncodedColumns& columns, std::size_t count, std::size_t chunk_elements, TileIndex tile,
+                          const TileGrid& grid, SegmentBatch& segments, const std::string& where);
+/// The same of its hits alone, of kColumnsOfHits.
+Result<void> decode_hits(const EncodedColumns& columns, std::size_t count, std::size_t chunk_elements, TileIndex tile,
+                         const TileGrid& grid, HitBatch& hits, const std::string& where);
 
 }  // namespace rayfield::tile

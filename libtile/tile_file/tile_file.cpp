@@ -63,11 +63,8 @@ Result<std::vector<std::byte>> build_tile_part(const TilePartHeader& header, con
     columns[k].chunk_elements = chunks.empty() ? 1 : chunks.front().chunk_elements;
   }
   for (const EncodedChunk& chunk : chunks) {
-    std::size_t offset = 0;
-    for (std::size_t k = 0; k < kColumnCount; ++k) {
-      columns[k].chunks.push_back(std::span<const std::byte>(chunk.bytes).subspan(offset, chunk.sizes[k]));
-      offset += chunk.sizes[k];
-    }
+    const EncodedColumns encoded = chunk.columns();
+    for (std::size_t k = 0; k < kColumnCount; ++k) columns[k].chunks.push_back(encoded[k]);
   }
   return build_image(header_text(header), columns);
 }

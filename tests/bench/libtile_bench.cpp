@@ -172,12 +172,7 @@ BENCHMARK(encode_segments)->Unit(benchmark::kMillisecond);
 void decode_segments(benchmark::State& state) {
   const FullChunk& chunk = full_chunk();
   const tile::EncodedChunk encoded = tile::encode_chunk(chunk.records, chunk.records.size());
-  std::array<std::span<const std::byte>, tile::kColumnCount> columns;
-  std::size_t offset = 0;
-  for (std::size_t k = 0; k < tile::kColumnCount; ++k) {
-    columns[k] = std::span(encoded.bytes).subspan(offset, encoded.sizes[k]);
-    offset += encoded.sizes[k];
-  }
+  const tile::EncodedColumns columns = encoded.columns();
   tile::SegmentBatch segments;
   for (auto _ : state) {
     const auto decoded =
@@ -189,6 +184,22 @@ void decode_segments(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(chunk.records.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(decode_segments)->Unit(benchmark::kMillisecond);
+
+void decode_hits_alone(benchmark::State& state) {
+  const FullChunk& chunk = full_chunk();
+  const tile::EncodedChunk encoded = tile::encode_chunk(chunk.records, chunk.records.size());
+  const tile::EncodedColumns columns = encoded.columns();
+  tile::HitBatch hits;
+  for (auto _ : state) {
+    const auto decoded =
+        tile::decode_hits(columns, encoded.count, encoded.chunk_elements, chunk.tile, chunk.grid, hits, "chunk");
+    if (!decoded) return state.SkipWithError("cannot decode");
+    benchmark::DoNotOptimize(hits.end.data());
+  }
+  state.counters["segments/s"] =
+      benchmark::Counter(static_cast<double>(chunk.records.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(decode_hits_alone)->Unit(benchmark::kMillisecond);
 
 // A published store with the drive in it, and its tile of most segments.
 struct PublishedTile {

@@ -131,11 +131,20 @@ GroundModel ground_of(const std::vector<TileSurvey>& surveys) {
   return model;
 }
 
+tile::HitBatch hits_of(const tile::SegmentBatch& segments) {
+  tile::HitBatch hits;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if ((segments.flags[i] & tile::kHit) == 0) continue;
+    hits.end.push_back(segments.exit[i]), hits.flags.push_back(segments.flags[i]);
+  }
+  return hits;
+}
+
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground) {
   CanopyMap map(kTile);
   for (const auto& [index, batch] : tiles) {
     CanopyAccumulator sum({index, kTile}, ground, {});
-    sum.add(batch);
+    sum.add(hits_of(batch));
     map.set(index, sum.finish());
   }
   return map;
@@ -145,7 +154,7 @@ std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const Gr
   std::vector<Stem> stems;
   for (const auto& [index, batch] : tiles) {
     StemAccumulator sum({index, kTile}, layout, ground, {});
-    sum.add(batch);
+    sum.add(hits_of(batch));
     const auto more = sum.finish();
     stems.insert(stems.end(), more.begin(), more.end());
   }
@@ -157,7 +166,7 @@ CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const Grou
   CanopyProfile total;
   for (const auto& [index, batch] : tiles) {
     CanopyProfileAccumulator sum({index, kTile}, layout, ground, options);
-    sum.add(batch);
+    sum.add(hits_of(batch));
     add_profile(total, sum.finish());
   }
   return total;

@@ -73,6 +73,7 @@ std::vector<TileSurvey> survey_all(const Tiles& tiles);
 std::vector<const TileSurvey*> pointers(const std::vector<TileSurvey>& surveys);
 ScanSurvey scan_survey_of(const std::vector<TileSurvey>& surveys);
 GroundModel ground_of(const std::vector<TileSurvey>& surveys);
+tile::HitBatch hits_of(const tile::SegmentBatch& segments);
 CanopyMap canopy_of(const Tiles& tiles, const GroundModel& ground);
 std::vector<Stem> stems_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground);
 CanopyProfile profile_of(const Tiles& tiles, const RowLayout& layout, const GroundModel& ground,

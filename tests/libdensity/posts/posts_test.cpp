@@ -334,14 +334,10 @@ TEST(Stems, AreTheSameHoweverTheSegmentsAreSplit) {
       *std::max_element(found.tiles.begin(), found.tiles.end(),
                         [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
   StemAccumulator whole({index, testing::kTile}, found.rows.layout, found.ground, {});
-  whole.add(batch);
+  const tile::HitBatch hits = testing::hits_of(batch);
+  whole.add(hits);
   StemAccumulator odd = StemAccumulator({index, testing::kTile}, found.rows.layout, found.ground, {}), even = odd;
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    tile::SegmentBatch one;
-    one.entry = {batch.entry[i]}, one.exit = {batch.exit[i]}, one.time_s = {batch.time_s[i]};
-    one.intensity = {0}, one.flags = {batch.flags[i]};
-    (i % 2 ? odd : even).add(one);
-  }
+  for (std::size_t i = 0; i < hits.size(); ++i) (i % 2 ? odd : even).add({{hits.end[i]}, {hits.flags[i]}});
   odd.merge(even);
   EXPECT_EQ(odd.finish(), whole.finish());
   EXPECT_FALSE(whole.finish().empty());

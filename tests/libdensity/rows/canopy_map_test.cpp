@@ -19,7 +19,7 @@ TEST(CanopyMap, KeepsLayersApart) {
   scene.add_point({500001.05, 6100001.05, 106.0});
   scene.add_point({500001.05, 6100001.05, 100.05});  // ground: in no layer
   CanopyAccumulator sum({{20000, 244000}, testing::kTile}, ground, {});
-  sum.add(scene.tiles().at({20000, 244000}));
+  sum.add(testing::hits_of(scene.tiles().at({20000, 244000})));
   CanopyMap map(testing::kTile);
   map.set({20000, 244000}, sum.finish());
   const Eigen::Vector2d p(500001.05, 6100001.05);

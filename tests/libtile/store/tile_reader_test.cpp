@@ -49,5 +49,39 @@ TEST(TileReader, ChunksOfOneTileAreReadByManyThreads) {
   }
 }
 
+TEST(TileReader, HitsAreThoseOfTheChunks) {
+  ScratchFolder folder;
+  Store store = make_store(folder.path() / "block");
+  ASSERT_TRUE(add(store, scattered_rays(20000, 16)));
+  std::size_t hits = 0, others = 0, in_margins = 0;
+  const Snapshot snapshot = *store.latest();
+  for (const TileEntry& tile : snapshot.scans.at(0).tiles) {
+    const auto reader = store.open_tile(tile);
+    ASSERT_TRUE(reader);
+    for (std::size_t c = 0; c < reader->chunk_count(); ++c) {
+      SegmentBatch segments;
+      HitBatch alone;
+      ASSERT_TRUE(reader->read_chunk(c, segments));
+      ASSERT_TRUE(reader->read_hits(c, alone));
+      std::size_t next = 0;
+      for (std::size_t i = 0; i < segments.size(); ++i) {
+        if ((segments.flags[i] & kHit) == 0) {
+          ++others;
+          continue;
+        }
+        ASSERT_LT(next, alone.size());
+        EXPECT_EQ(alone.end[next], segments.exit[i]);
+        EXPECT_EQ(alone.flags[next++], segments.flags[i]);
+        in_margins += (segments.flags[i] & kEndsHere) == 0 ? 1U : 0U;
+      }
+      EXPECT_EQ(next, alone.size());
+      hits += next;
+    }
+  }
+  EXPECT_GT(hits, 0U);
+  EXPECT_GT(others, 0U);
+  EXPECT_GT(in_margins, 0U);
+}
+
 }  // namespace
 }  // namespace rayfield::tile::testing

@@ -23,12 +23,7 @@ TEST(ChunkCodec, RandomIntegersOfFullRangeComeBackExactly) {
     record.flags = static_cast<std::uint8_t>(random() % 8);
   }
   const EncodedChunk chunk = encode_chunk(records, 4096);
-  std::array<std::span<const std::byte>, kColumnCount> columns;
-  std::size_t offset = 0;
-  for (std::size_t k = 0; k < kColumnCount; ++k) {
-    columns[k] = std::span(chunk.bytes).subspan(offset, chunk.sizes[k]);
-    offset += chunk.sizes[k];
-  }
+  const EncodedColumns columns = chunk.columns();
   SegmentBatch segments;
   ASSERT_TRUE(decode_chunk(columns, records.size(), 4096, {2, -3}, grid, segments, "chunk"));
   ASSERT_EQ(segments.size(), records.size());
@@ -45,6 +40,37 @@ TEST(ChunkCodec, RandomIntegersOfFullRangeComeBackExactly) {
   }
 }
 
+TEST(ChunkCodec, HitsComeBackAloneAsTheyDoAmidTheOtherSegments) {
+  const TileGrid grid{StoreConfig{}};
+  std::mt19937_64 random(9);
+  std::vector<RayRecord> records(2000);
+  std::vector<std::size_t> hits;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    RayRecord& record = records[i];
+    record.geometry = {};
+    for (std::size_t k = 0; k < 3; ++k) {
+      record.geometry.origin[k] = static_cast<std::int32_t>(random() % 250000);
+      record.geometry.ray[k] = static_cast<std::int32_t>(random() % 250000) - record.geometry.origin[k];
+    }
+    record.time_low = static_cast<std::uint32_t>(i), record.time_high = 0;
+    record.intensity = static_cast<std::uint16_t>(i), record.flags = static_cast<std::uint8_t>(random() % 8);
+    if ((record.flags & kHit) != 0) hits.push_back(i);
+  }
+  const EncodedChunk chunk = encode_chunk(records, 4096);
+  const EncodedColumns columns = chunk.columns();
+  SegmentBatch segments;
+  ASSERT_TRUE(decode_chunk(columns, records.size(), 4096, {2, -3}, grid, segments, "chunk"));
+  EncodedColumns wanted = columns;
+  wanted[6] = wanted[7] = {};  // neither times nor intensities
+  HitBatch found;
+  ASSERT_TRUE(decode_hits(wanted, records.size(), 4096, {2, -3}, grid, found, "chunk"));
+  ASSERT_EQ(found.size(), hits.size());
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    EXPECT_EQ(found.end[k], segments.exit[hits[k]]);
+    EXPECT_EQ(found.flags[k], records[hits[k]].flags);
+  }
+}
+
 TEST(ChunkCodec, DamagedColumnsGiveAnErrorOrValuesButNeverACrash) {
   const TileGrid grid{StoreConfig{}};
   std::vector<RayRecord> records(500);
@@ -53,14 +79,14 @@ TEST(ChunkCodec, DamagedColumnsGiveAnErrorOrValuesButNeverACrash) {
   SegmentBatch segments;
   std::mt19937 random(2);
   for (int round = 0; round < 3000; ++round) {
-    std::vector<std::byte> bytes = chunk.bytes;
+    EncodedChunk damaged = chunk;
     for (int flips = 0; flips < 3; ++flips)
-      bytes[random() % bytes.size()] ^= static_cast<std::byte>(1U << (random() % 8));
-    std::array<std::span<const std::byte>, kColumnCount> columns;
-    std::size_t offset = 0;
-    for (std::size_t k = 0; k < kColumnCount; ++k) {
-      columns[k] = std::span<const std::byte>(bytes).subspan(offset, chunk.sizes[k]);
-      offset += chunk.sizes[k];
+      damaged.bytes[random() % damaged.bytes.size()] ^= static_cast<std::byte>(1U << (random() % 8));
+    const EncodedColumns columns = damaged.columns();
+    HitBatch hits;
+    const auto decoded_hits = decode_hits(columns, records.size(), records.size(), {0, 0}, grid, hits, "chunk");
+    if (!decoded_hits) {
+      EXPECT_EQ(decoded_hits.error().code, ErrorCode::damaged);
     }
     const auto decoded = decode_chunk(columns, records.size(), records.size(), {0, 0}, grid, segments, "chunk");
     if (decoded) {

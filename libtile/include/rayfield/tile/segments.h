@@ -46,4 +46,12 @@ struct SegmentBatch {
   bool empty() const { return entry.empty(); }
 };
 
+/// Of the segments with kHit where they end: enough wherever free space does not matter, and much faster to have.
+struct HitBatch {
+  std::vector<Eigen::Vector3d> end;  ///< m
+  std::vector<std::uint8_t> flags;   ///< SegmentFlag bits
+
+  std::size_t size() const { return end.size(); }
+};
+
 }  // namespace rayfield::tile
