@@ -212,7 +212,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
     measure_full_echo(statistics, full, from_mean_echo(statistics, weakest, full, model), model);
   }
   model.leaf_normals = fit_leaf_normals(statistics.full());
-  model.wood_brightness = wood_brightness(statistics, model.full_echo), model.wood_per_side = known.wood_per_side;
+  model.wood_brightness = wood_brightness(statistics, model.full_echo).value, model.wood_per_side = known.wood_per_side;
   model.wood_error = known.wood_per_side > 0 ? wood_error(statistics, model.full_echo) : 0;
   model.lost_share = lost_share(statistics.histogram(), model.full_echo, model.detection_share);
   model.unreturned_share =

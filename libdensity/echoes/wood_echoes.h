@@ -29,14 +29,23 @@ struct WoodEchoes {
 /// is the mean of those that fall wholly on either. Nothing where fewer than 200 beams fell wholly on posts and trunks.
 std::optional<WoodEchoes> wood_echoes(const EchoStatistics& statistics, double mean, double weakest);
 
-/// Mean intensity of an echo of thin wood that takes the whole beam, as above, over that of leaves, `full_echo`: 0.4 to
-/// 1.6. 1 where trunks do not tell it.
-double wood_brightness(const EchoStatistics& statistics, double full_echo);
+/// How bright wood amid the leaves is beside them.
+struct WoodBrightness {
+  double value = 1;  ///< 0.4 to 1.6
+  double error = 0;  ///< standard error, where trunks do not tell it well
+};
 
-/// What areas are off where wood is not as bright as leaves, since how much of it stands amid the leaves is believed
-/// and not seen: as a standard error of their logarithm, 0.6 of what it differs from leaves in brightness, times its
-/// part of the echoes, 2.5 over the number of these for each of a beam that falls wholly on a post or trunk (bare vines
-/// have 0.1 to 6.4, full leaf 20 and more).
+/// Mean intensity of an echo of thin wood that takes the whole beam, as above, over that of leaves, `full_echo`. Where
+/// posts are few, as in orchards, it is 1.10 times the mean echo of the beams that fall wholly on trunks, of which
+/// part goes past (83 simulated scans: 0.96 to 1.31, 0.06 about the mean), if there are 200. Where trunks do not tell
+/// it, either, wood is taken to be as bright as leaves, 0.3 off.
+WoodBrightness wood_brightness(const EchoStatistics& statistics, double full_echo);
+
+/// What areas are off where wood is not as bright as leaves, as a standard error of their logarithm: its part of the
+/// echoes times what is not known of its brightness and 0.6 of what that differs from that of leaves, since how much of
+/// it stands amid them is believed and not seen. Its part is 2.5 over the number of echoes for each of a beam that
+/// falls wholly on a post or trunk (bare vines have 0.1 to 6.4, full leaf 20 and more), and 0.15 where fewer than 200
+/// do.
 double wood_error(const EchoStatistics& statistics, double full_echo);
 
 }  // namespace rayfield::density

@@ -74,13 +74,27 @@ EchoStatistics dark_trunks() {
 }
 
 TEST(WoodEchoes, WoodIsAsBrightBesideLeavesAsTrunksAre) {
-  EXPECT_NEAR(wood_brightness(dark_trunks(), 1000), 0.6, 0.002);
-  EXPECT_NEAR(wood_brightness(dark_trunks(), 500), 1.2, 0.004);
-  EXPECT_EQ(wood_brightness(dark_trunks(), 2000), 0.4);  // doubted
-  EXPECT_EQ(wood_brightness(dark_trunks(), 100), 1.6);
+  EXPECT_NEAR(wood_brightness(dark_trunks(), 1000).value, 0.6, 0.002);
+  EXPECT_EQ(wood_brightness(dark_trunks(), 1000).error, 0);
+  EXPECT_NEAR(wood_brightness(dark_trunks(), 500).value, 1.2, 0.004);
+  EXPECT_EQ(wood_brightness(dark_trunks(), 2000).value, 0.4);  // doubted
+  EXPECT_EQ(wood_brightness(dark_trunks(), 100).value, 1.6);
 }
 
-TEST(WoodEchoes, PostsAloneDoNotTellHowBrightWoodIs) { EXPECT_EQ(wood_brightness(posts(1000), 2000), 1); }
+TEST(WoodEchoes, PostsAloneDoNotTellHowBrightWoodIs) {
+  EXPECT_EQ(wood_brightness(posts(1000), 2000).value, 1);
+  EXPECT_EQ(wood_brightness(posts(1000), 2000).error, 0.3);
+}
+
+TEST(WoodEchoes, TrunksWithoutPostsTellItLessWell) {
+  EchoStatistics statistics;
+  add_stems(statistics, true, 3000, 300, 900);  // 300 full ones of 600
+  EXPECT_NEAR(wood_brightness(statistics, 1000).value, 1.1 * 0.6, 1e-9);
+  EXPECT_EQ(wood_brightness(statistics, 1000).error, 0.06);
+  EchoStatistics fewer;
+  add_stems(fewer, true, 1900, 300, 900);  // 190
+  EXPECT_EQ(wood_brightness(fewer, 1000).value, 1);
+}
 
 TEST(WoodEchoes, WoodUnlikeLeavesIsInAreasTheMoreTheFewerLeavesThereAre) {
   EchoStatistics statistics = dark_trunks();
@@ -90,10 +104,20 @@ TEST(WoodEchoes, WoodUnlikeLeavesIsInAreasTheMoreTheFewerLeavesThereAre) {
   EXPECT_NEAR(wood_error(statistics, 500), 0.6 * 2.5 / 20 * 0.2, 1e-4);   // brighter
   for (int i = 0; i < 20 * full; ++i) statistics.add_echo(700, 0.03);
   EXPECT_NEAR(wood_error(statistics, 1000), 0.6 * 2.5 / 40 * 0.4, 1e-4);
-  EchoStatistics of_posts = posts(300);
-  of_posts.add_echo(700, 0.03);
-  EXPECT_EQ(wood_error(of_posts, 1600), 0);
   EXPECT_EQ(wood_error(EchoStatistics(), 1600), 0);
+}
+
+TEST(WoodEchoes, WhatIsNotKnownOfWoodIsInAreas) {
+  EchoStatistics of_posts = posts(300);
+  for (int i = 0; i < 20 * 300; ++i) of_posts.add_echo(700, 0.03);
+  EXPECT_NEAR(wood_error(of_posts, 1600), 2.5 / 20 * 0.3, 1e-9);
+  EchoStatistics of_leaves;
+  of_leaves.add_echo(700, 0.03);
+  EXPECT_NEAR(wood_error(of_leaves, 1600), 0.15 * 0.3, 1e-9);
+  EchoStatistics of_trunks;
+  add_stems(of_trunks, true, 3000, 300, 900);
+  for (int i = 0; i < 20 * 300; ++i) of_trunks.add_echo(700, 0.03);
+  EXPECT_NEAR(wood_error(of_trunks, 1000), 2.5 / 20 * std::hypot(0.6 * 0.34, 0.06), 1e-9);
 }
 
 // exp(−3.3/x³), x the mean over the weakest.

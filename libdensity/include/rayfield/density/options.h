@@ -268,9 +268,9 @@ struct WoodPriorOptions {
   template <class Self, class Visitor>
   static void visit_fields(Self& o, Visitor& v) {
     v.flag("enabled", o.enabled, "false: without a dormant scan leaf areas hold all wood but posts and trunks");
-    v.number(
-        "per_side", o.per_side, {0.001, 5},
-        "Half the surface of that wood, m² per m² of the canopy's side: what vines and orchards have in the middle");
+    v.number("per_side", o.per_side, {0.001, 5},
+             "Half the surface of that wood, m² per m² of the canopy's side: what vines and orchards have in the "
+             "middle; plant areas of beams that are not thin use it, too");
     v.number("spread", o.spread, {1.01, 10},
              "Two of three vineyards and orchards have between this times less and this times more");
   }
