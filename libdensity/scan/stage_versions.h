@@ -17,11 +17,11 @@ inline constexpr int kEchoesVersion = 32;
 inline constexpr int kLeafAnglesVersion = 9;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 29;
+inline constexpr int kResultsVersion = 30;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 20;
-inline constexpr int kLeafByEstimateVersion = 16;
+inline constexpr int kLeafVersion = 21;
+inline constexpr int kLeafByEstimateVersion = 17;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,
