@@ -94,7 +94,7 @@ int run(int argc, char** argv) {
 }
 
 // Large arrays come and go, and the C library gives each back to the system and asks for it again, page by page: a
-// tenth of the time of `process`. So blocks up to its limit for that, and this much at the end of the heap, are kept.
+// seventh of the time of `process`. So blocks up to its limit for that, and this much at the end of the heap, are kept.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int kMostKeptBlock = 32 << 20, kMostKept = 128 << 20;  // bytes

@@ -28,7 +28,7 @@ using AddHits = std::function<Result<void>(const tile::HitBatch& hits, int worke
 /// `add`; interrupted.
 Result<void> for_chunks(const tile::Store::TileReader& reader, int workers, const Progress& progress,
                         const AddSegments& add, std::size_t every = 1);
-/// The same of the hits alone, which takes less than half of the time.
+/// The same of the hits alone.
 Result<void> for_hits(const tile::Store::TileReader& reader, int workers, const Progress& progress, const AddHits& add);
 
 /// Calls what returns nothing or a Result<void>.
