@@ -1,6 +1,7 @@
 #include "libdensity/echoes/echo_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -21,10 +22,15 @@ constexpr double kFullError = 0.04;      // relative, of the full echo from full
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
 // ln of a full echo over the mean one: without anything else; for each side of a leaf that beams are wide (fading the
 // more leaves make an echo together); for how it goes with the angle of incidence, per unit of cosine over a full echo;
-// for each mean echo that the weakest reach; and for each unit of ln of the faint ones over the mean. Relative errors
-// of what comes of it, beside wood among the leaves and of wood (over leafiness).
-constexpr double kAboveMean = 0.02, kWidthAboveMean = 0.75, kFadesPerLeaf = 0.75, kAngleAboveMean = -0.08;
-constexpr double kWeakestAboveMean = -0.22, kFaintAboveMean = -0.37;
+// for each mean echo that the weakest reach; and for each unit of ln of the strengths that some shares of the echoes do
+// not reach over the mean. Relative errors of what comes of it, beside wood among the leaves and of wood (over
+// leafiness).
+constexpr double kAboveMean = 0.47, kWidthAboveMean = 0.71, kFadesPerLeaf = 0.75, kAngleAboveMean = -0.05;
+constexpr double kWeakestAboveMean = -0.54;
+struct StrengthOverMean {
+  double share, above_mean;
+};
+constexpr std::array<StrengthOverMean, 3> kStrengths{{{0.2, -0.43}, {0.4, -1.02}, {0.9, -1.24}}};
 constexpr double kMeanEchoError = 0.04, kWoodInMeanEcho = 0.7;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
@@ -32,8 +38,7 @@ constexpr double kMostLacking = 0.3;
 constexpr double kCutOfFull = 0.32;  // scatter of full echoes by what edges cut off, by the beam's width over a side
 constexpr double kUsualAngleDependence = 0.5, kUsualScatter = 0.15;
 constexpr double kMostAngleDependence = 0.9;  // a blade is not so flat that it vanishes when seen edge-on
-constexpr double kFaintShare = 0.2;           // of the echoes are faint,
-constexpr double kWeakestShare = 0.02;        // and lie below the detection share,
+constexpr double kWeakestShare = 0.02;        // of the echoes lie below the detection share,
 constexpr double kWeakest = 1.03;             // nearly: where they begin, in detection shares
 constexpr double kOneBeamsBeside = 0.2;       // or more, of the echoes
 // Of the apparent side of leaves, as ln of its ratio to the true one: narrow beams of a fine range resolution, what a
@@ -160,14 +165,15 @@ double width_above_mean(const EchoModel& model) {
   return kWidthAboveMean * widths_of_leaf(model) * std::exp(-kFadesPerLeaf * model.leaves_per_resolution);
 }
 
-/// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out"): the more of them are
-/// faint, the more are in pieces.
+/// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out"): how strengths are
+/// spread about it tells how many are of pieces.
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const FullEchoStrength& full,
                         const EchoModel& model) {
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
-  const double faint = strength_quantile(statistics.histogram(), kFaintShare);
-  const double above = kAboveMean + width_above_mean(model) + kAngleAboveMean * full.slope +
-                       kWeakestAboveMean * weakest / mean + kFaintAboveMean * std::log(std::max(1.0, faint) / mean);
+  double above =
+      kAboveMean + width_above_mean(model) + kAngleAboveMean * full.slope + kWeakestAboveMean * weakest / mean;
+  for (const auto& [share, above_mean] : kStrengths)
+    above += above_mean * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / mean);
   const double error = std::hypot(kMeanEchoError, kAngleAboveMean * full.slope_error, kWoodInMeanEcho * wood);
   return {mean * std::exp(above), error};
 }

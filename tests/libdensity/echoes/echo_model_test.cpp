@@ -50,19 +50,21 @@ double add_ends_behind(EchoStatistics& statistics, int ends) {
   return ends / (1500.0 + ends) / 0.1;
 }
 
-/// Of whole_leaves(), over their mean: what 2 % and what 20 % do not reach, of 0.7 … 1.3, evenly.
-constexpr double kWeakest = 0.7 + 0.6 * 0.02, kFaint = 0.7 + 0.6 * 0.2;
+/// Of whole_leaves(), over their mean, the strength that a share of them does not reach, of 0.7 … 1.3, evenly.
+constexpr double strength(double share) { return 0.7 + 0.6 * share; }
 /// Of the mean echo, where the angle dependence is 0.35 ± 0.35.
-const double kMeanError = std::hypot(0.04, 0.08 * 0.35);
+const double kMeanError = std::hypot(0.04, 0.05 * 0.35);
 
-/// exp(0.02 + 0.75·(D/s)·exp(−0.75·n) − 0.08·slope − 0.22·weakest/mean − 0.37·ln(faint/mean)) of whole_leaves(), n
-/// being how many leaves stand in one range resolution.
+/// exp(0.47 + 0.71·(D/s)·exp(−0.75·n) − 0.05·slope − 0.54·I₂/Ī − 0.43·ln(I₂₀/Ī) − 1.02·ln(I₄₀/Ī) − 1.24·ln(I₉₀/Ī)) of
+/// whole_leaves(), I₂ the strength that 2 % of the echoes do not reach, n how many leaves stand in one range
+/// resolution.
 double above_mean(double widths, double leaves_per_resolution, double slope = 0.35) {
-  return std::exp(0.02 + 0.75 * widths * std::exp(-0.75 * leaves_per_resolution) - 0.08 * slope - 0.22 * kWeakest -
-                  0.37 * std::log(kFaint));
+  return std::exp(0.47 + 0.71 * widths * std::exp(-0.75 * leaves_per_resolution) - 0.05 * slope -
+                  0.54 * strength(0.02) - 0.43 * std::log(strength(0.2)) - 1.02 * std::log(strength(0.4)) -
+                  1.24 * std::log(strength(0.9)));
 }
 
-TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowFaintEchoesAre) {
+TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowEchoesAreSpread) {
   double per_metre = 0;
   const auto full_of = [&](double width_m, double range_resolution_m, std::uint64_t wood) {
     EchoStatistics statistics = whole_leaves(width_m, 0.5);
@@ -192,8 +194,8 @@ TEST(EchoModel, LeavesThatLieFlatAreLargerThanTheyLook) {
   EXPECT_NEAR(flat.leaf_size_m2, 0.0064, 1e-9);
   EXPECT_NEAR(flat.full_echo, 100 * (1 - lacking(0.06)) / (1 - lacking(0.08)), 1e-6);
   EXPECT_NEAR(flat.lacking_share, lacking(0.08), 1e-9);
-  model.mean_echo_weight = 0.4, model.leaves_per_resolution = 0.6;  // 0.75·(D/s)·exp(−0.75·n)
-  const double of_mean = std::exp(0.75 * (0.03 / 0.08 - 0.03 / 0.06) * std::exp(-0.75 * 0.6));
+  model.mean_echo_weight = 0.4, model.leaves_per_resolution = 0.6;  // 0.71·(D/s)·exp(−0.75·n)
+  const double of_mean = std::exp(0.71 * (0.03 / 0.08 - 0.03 / 0.06) * std::exp(-0.75 * 0.6));
   EXPECT_NEAR(with_aspect(model, {2.0 / 3, 0.75}).full_echo, 0.6 * flat.full_echo + 0.4 * 100 * of_mean, 1e-6);
   model.leaf_size_from = LeafSizeFrom::options;
   EXPECT_EQ(with_aspect(model, {2.0 / 3, 0.75}).leaf_size_m2, 0.0036);
@@ -201,7 +203,8 @@ TEST(EchoModel, LeavesThatLieFlatAreLargerThanTheyLook) {
 }
 
 TEST(EchoModel, FullEchoesTellHowTheyGoWithTheAngle) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.7);  // whose mean stands for the same full echo
+  const double at_random = 0.3 + 0.7 * 2 / 3, slope = 0.7 / (0.3 + 0.7 * 0.6);  // over the median, at a cosine of 0.6
+  EchoStatistics statistics = whole_leaves(0.03, at_random / above_mean(0.03 / 0.08, 0, slope));  // the same full echo
   add_close_pairs(statistics);
   for (int i = 0; i < 4000; ++i) {
     const auto cosine = static_cast<float>(0.4 + 0.0001 * i);
@@ -210,7 +213,7 @@ TEST(EchoModel, FullEchoesTellHowTheyGoWithTheAngle) {
     statistics.add_full_echoes(std::vector{full});
   }
   const auto model = estimate_echo_model(statistics, lidar(0.03));
-  EXPECT_NEAR(model->full_echo, kFull * (0.3 + 0.7 * 2 / 3), 0.03 * kFull);
+  EXPECT_NEAR(model->full_echo, kFull * at_random, 0.03 * kFull);
   const double full_weight = 1 / (0.04 * 0.04), mean_weight = 1 / (0.04 * 0.04);  // the mean echo says nothing of it
   EXPECT_NEAR(model->full_echo_per_cosine, 0.7 * kFull * full_weight / (full_weight + mean_weight), 0.1 * kFull);
 }
