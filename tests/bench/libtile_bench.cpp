@@ -169,35 +169,29 @@ void encode_segments(benchmark::State& state) {
 }
 BENCHMARK(encode_segments)->Unit(benchmark::kMillisecond);
 
-void decode_segments(benchmark::State& state) {
+/// Of a full chunk; `decode` takes its columns, count, elements and the rest as decode_chunk() and decode_hits() do.
+template <typename Batch, typename Decode>
+void decode_full_chunk(benchmark::State& state, Decode decode) {
   const FullChunk& chunk = full_chunk();
   const tile::EncodedChunk encoded = tile::encode_chunk(chunk.records, chunk.records.size());
   const tile::EncodedColumns columns = encoded.columns();
-  tile::SegmentBatch segments;
+  Batch batch;
   for (auto _ : state) {
-    const auto decoded =
-        tile::decode_chunk(columns, encoded.count, encoded.chunk_elements, chunk.tile, chunk.grid, segments, "chunk");
+    const auto decoded = decode(columns, encoded.count, encoded.chunk_elements, chunk.tile, chunk.grid, batch, "chunk");
     if (!decoded) return state.SkipWithError("cannot decode");
-    benchmark::DoNotOptimize(segments.exit.data());
+    benchmark::ClobberMemory();
   }
   state.counters["segments/s"] =
       benchmark::Counter(static_cast<double>(chunk.records.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
+
+void decode_segments(benchmark::State& state) {
+  decode_full_chunk<tile::SegmentBatch>(state, [](auto&&... of) { return tile::decode_chunk(of...); });
+}
 BENCHMARK(decode_segments)->Unit(benchmark::kMillisecond);
 
 void decode_hits_alone(benchmark::State& state) {
-  const FullChunk& chunk = full_chunk();
-  const tile::EncodedChunk encoded = tile::encode_chunk(chunk.records, chunk.records.size());
-  const tile::EncodedColumns columns = encoded.columns();
-  tile::HitBatch hits;
-  for (auto _ : state) {
-    const auto decoded =
-        tile::decode_hits(columns, encoded.count, encoded.chunk_elements, chunk.tile, chunk.grid, hits, "chunk");
-    if (!decoded) return state.SkipWithError("cannot decode");
-    benchmark::DoNotOptimize(hits.end.data());
-  }
-  state.counters["segments/s"] =
-      benchmark::Counter(static_cast<double>(chunk.records.size()), benchmark::Counter::kIsIterationInvariantRate);
+  decode_full_chunk<tile::HitBatch>(state, [](auto&&... of) { return tile::decode_hits(of...); });
 }
 BENCHMARK(decode_hits_alone)->Unit(benchmark::kMillisecond);
 
