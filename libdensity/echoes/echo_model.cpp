@@ -31,6 +31,7 @@ struct StrengthOverMean {
   double share, above_mean;
 };
 constexpr std::array<StrengthOverMean, 3> kStrengths{{{0.2, -0.43}, {0.4, -1.02}, {0.9, -1.24}}};
+constexpr double kLeastAboveMean = 0, kMostAboveMean = 0.7;  // 0.06 to 0.52 on simulated scans
 constexpr double kMeanEchoError = 0.04, kWoodInMeanEcho = 0.7;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
@@ -175,7 +176,7 @@ Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const 
   for (const auto& [share, above_mean] : kStrengths)
     above += above_mean * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / mean);
   const double error = std::hypot(kMeanEchoError, kAngleAboveMean * full.slope_error, kWoodInMeanEcho * wood);
-  return {mean * std::exp(above), error};
+  return {mean * std::exp(std::clamp(above, kLeastAboveMean, kMostAboveMean)), error};
 }
 
 /// How differently bright the leaves are: as full echoes say, where there are enough, less what edges cut off those.

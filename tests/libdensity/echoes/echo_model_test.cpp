@@ -88,6 +88,19 @@ TEST(EchoModel, AFullEchoIsAboveTheMeanByTheWidthAndByHowEchoesAreSpread) {
   EXPECT_NEAR(full_of(0.025, 0.1, 1000).full_echo_error, std::hypot(kMeanError, 0.7 / 20, 0.5 / 20), 1e-3);
 }
 
+// No simulated scan has a full echo below the mean one, or above 1.7 of it.
+TEST(EchoModel, NoSpreadOfStrengthsPutsAFullEchoFarAboveTheMean) {
+  const auto full_over_mean = [](double strong_share) {
+    EchoStatistics statistics;
+    for (int i = 0; i < 20000; ++i) statistics.add_echo(i < 20000 * strong_share ? 3000 : 300 + i % 7, 0.025);
+    const double mean = strong_share * 3000 + (1 - strong_share) * 303;
+    return estimate_echo_model(statistics, lidar(0.025))->full_echo / mean;
+  };
+  EXPECT_NEAR(full_over_mean(0.5), std::exp(0.7), 1e-3);
+  EXPECT_NEAR(full_over_mean(0.05), std::exp(0.7), 1e-3);
+  EXPECT_GE(full_over_mean(0.999), 1 - 1e-3);
+}
+
 TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {
   EchoStatistics statistics = whole_leaves(0.025, 0.5);
   add_close_pairs(statistics);
