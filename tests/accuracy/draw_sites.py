@@ -2,7 +2,7 @@
 """Draws sites with real beams at random, one scan in full leaf each, for accuracy.py.
 
     tests/accuracy/draw_sites.py one|several COUNT SEED OUT [--prefix NAME] [--thin] [--all-rays]
-                             [--returns first|strongest|last] [--season]
+                             [--returns first|strongest|last] [--season] [--fractions]
 
 Two rows of 22 m of walls, sprawl or crowns: slope, azimuth, latitude, spacing, leaf area per metre, size and outline of
 leaves, detection share, range resolution, angle dependence and scatter of echoes, and dark wood are drawn. `one`: spun
@@ -11,7 +11,8 @@ lidars in turn, reporting the first or the strongest echo; their clouds hold the
 `rayfield slam` keeps them. With --thin the same sites and seeds with beams without a width: what is wrong there is not
 the beams'. With --all-rays clouds of one beam hold them, too; with --returns all lidars report that echo. With
 --season each site has three rows and three dates for seasons.py, bare, with half of its leaves and with all, driven in
-other orders and with the receiver off by another vector on each. The same SEED draws the same sites.
+other orders and with the receiver off by another vector on each. With --fractions three of ten sites have half of their
+leaves and one a fifth, in spring. The same SEED draws the same sites.
 """
 import argparse
 import os
@@ -63,24 +64,25 @@ def text(values):
     return [f"{key} = {value:.4g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values]
 
 
-def dates(rng, latitude, season):
+def dates(rng, latitude, season, leaves):
     south = latitude < 0
-    full = [f'date = "{"2020-01-15" if south else "2020-07-15"}"', "leaf_fraction = 1.0",
+    summer, spring = ("2020-01-15", "2020-11-10") if south else ("2020-07-15", "2020-05-10")
+    full = [f'date = "{summer if leaves == 1 else spring}"', f"leaf_fraction = {leaves:.1f}",
             f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}", f"seed = {rng.randrange(1000)}"]
     if not season:
         return ["[[date]]", *full, ""]
     lines = []
-    for date, leaves in (("2019-08-05" if south else "2020-02-05", 0.0), ("2019-11-10" if south else "2020-05-10", 0.5),
-                         (None, 1.0)):
+    for date, fraction in (("2019-08-05" if south else "2020-02-05", 0.0),
+                           ("2019-11-10" if south else "2020-05-10", 0.5), (None, 1.0)):
         lines += ["[[date]]", *(full if date is None else
-                                [f'date = "{date}"', f"leaf_fraction = {leaves}", f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}",
+                                [f'date = "{date}"', f"leaf_fraction = {fraction}", f"speed_m_s = {rng.uniform(1.0, 1.6):.2f}",
                                  f"seed = {rng.randrange(1000)}"]),
                   f'order = "{rng.choice(["skip", "reverse", "sequential"])}"', "[[date.gps_jumps]]", "start_s = 0",
                   "duration_s = 100000", *(f"{axis}_m = {rng.uniform(-2.5, 2.5):.2f}" for axis in ("east", "north", "up"))]
     return [*lines, ""]
 
 
-def site(rng, name, number, several, thin, all_rays, returns, season):
+def site(rng, name, number, several, thin, all_rays, returns, season, leaves):
     kind = rng.choice(["vsp", "sprawl", "crown"] if several else ["vsp", "vsp", "sprawl"])
     spacing = rng.uniform(3.4, 4.2) if kind == "crown" else rng.uniform(2.4, 3.6)
     latitude = rng.uniform(-45, 50)
@@ -111,7 +113,7 @@ def site(rng, name, number, several, thin, all_rays, returns, season):
     lines += ["[reflectance]", f"angle_dependence = {rng.uniform(0, 1):.2f}"]
     if rng.random() < 2 / 3:
         lines += ["post = 0.55", "wood = 0.55", "wire = 0.55"]
-    return "\n".join(lines + dates(rng, latitude, season))
+    return "\n".join(lines + dates(rng, latitude, season, leaves))
 
 
 def main():
@@ -125,14 +127,16 @@ def main():
     parser.add_argument("--all-rays", action="store_true")
     parser.add_argument("--returns", choices=["first", "strongest", "last"])
     parser.add_argument("--season", action="store_true")
+    parser.add_argument("--fractions", action="store_true")
     arguments = parser.parse_args()
     os.makedirs(arguments.out, exist_ok=True)
     for number in range(arguments.count):
         rng = random.Random(f"{arguments.seed} {number}")  # so that fewer of them are the same
         name = f"{arguments.prefix}_{number:02d}"
+        fraction = random.Random(f"{arguments.seed} {number} leaves").choice([1] * 6 + [0.5] * 3 + [0.2])
         with open(f"{arguments.out}/{name}.toml", "w") as file:
             file.write(site(rng, name, number, arguments.lidars == "several", arguments.thin, arguments.all_rays,
-                            arguments.returns, arguments.season))
+                            arguments.returns, arguments.season, fraction if arguments.fractions else 1))
 
 
 if __name__ == "__main__":
