@@ -20,12 +20,13 @@ constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: we
 constexpr double kWoodInFullEcho = 0.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
-// ln of a full echo over the mean one: without anything else; for each side of a leaf that beams are wide (fading the
-// more leaves make an echo together); for how it goes with the angle of incidence, per unit of cosine over a full echo;
+// ln of a full echo over the mean one: without anything else; where leaves stand apart, and for each side of a leaf
+// that beams are wide (both fading the more leaves make an echo together); for how it goes with the angle of incidence, per unit of cosine over a full echo;
 // for each mean echo that the weakest reach; and for each unit of ln of the strengths that some shares of the echoes do
 // not reach over the mean. Relative errors of what comes of it, beside wood among the leaves and of wood (over
 // leafiness).
-constexpr double kAboveMean = 0.47, kWidthAboveMean = 0.71, kFadesPerLeaf = 0.75, kAngleAboveMean = -0.05;
+constexpr double kAboveMean = 0.47, kApartAboveMean = 0.04, kWidthAboveMean = 0.71, kFadesPerLeaf = 0.75;
+constexpr double kAngleAboveMean = -0.05;
 constexpr double kWeakestAboveMean = -0.54;
 struct StrengthOverMean {
   double share, above_mean;
@@ -163,7 +164,8 @@ double disagreement(const Strength& one, const Strength& other) {
 
 /// What the beams' width makes of ln of a full echo over the mean one.
 double width_above_mean(const EchoModel& model) {
-  return kWidthAboveMean * widths_of_leaf(model) * std::exp(-kFadesPerLeaf * model.leaves_per_resolution);
+  const double apart = std::exp(-kFadesPerLeaf * model.leaves_per_resolution);
+  return apart * (kApartAboveMean + kWidthAboveMean * widths_of_leaf(model));
 }
 
 /// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out"): how strengths are
@@ -212,6 +214,7 @@ EchoModel model_of_leaves(const EchoStatistics& statistics, const EchoKnowledge&
   model.full_echo = known.full_echo > 0 ? known.full_echo : sum_of(statistics.all()).mean();
   const double weakest = strength_quantile(statistics.histogram(), kWeakestShare), detected = weakest / kWeakest;
   const FullEchoStrength full = full_echo_strength(statistics.full(), statistics.ground_dependence());
+  model.angle_slope = full.slope;
   for (int round = 0; round < kRounds; ++round) {
     model.detection_share = known.beam.detection_share.value_or(std::min(1.0, detected / model.full_echo));
     measure_leaves(statistics, known, model);

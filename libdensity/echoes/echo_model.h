@@ -31,6 +31,7 @@ struct EchoModel {
   double unreturned_share = 0;  ///< and the share of it whose beams return nothing (unreturned_per_lost())
   /// How the full echo goes with the mean cosine of the angle between rays and leaves: change per unit.
   double full_echo_per_cosine = 0;
+  double angle_slope = 0;    ///< the same of full echoes alone, relative: FullEchoStrength::slope
   double lacking_share = 0;  ///< of full echoes, which the full echo has been made up for
   /// By which the full echo is from the mean echo, and not from full ones.
   double mean_echo_weight = 0;
@@ -84,10 +85,10 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D
 /// the mean width of the beams, s the side of a leaf, b the range resolution, t the detection share, at most 0.3. The
-/// other is the mean echo times exp(0.02 + 0.75·(D/s)·exp(−0.75·n) − 0.08·slope − 0.22·weakest/mean −
-/// 0.37·ln(faint/mean)), n how many leaves stand in a range resolution (b times ends_per_metre_behind()), the slope
-/// FullEchoStrength::slope, weakest and faint the strengths that 2 and 20 % of the echoes do not reach; 4 % off, and
-/// 0.7 over the echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full
+/// other is the mean echo times exp(0.47 + (0.04 + 0.71·D/s)·exp(−0.75·n) − 0.05·slope − 0.54·I₂/mean −
+/// 0.43·ln(I₂₀/mean) − 1.02·ln(I₄₀/mean) − 1.24·ln(I₉₀/mean)), the exponent kept between 0 and 0.7, n how many leaves
+/// stand in a range resolution (b times ends_per_metre_behind()), the slope FullEchoStrength::slope, I_p the strength
+/// that p % of the echoes do not reach; 4 % off, and 0.7 over the echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full
 /// echoes. What beams without an echo have met: unreturned_per_lost(), with the angle dependence and scatter of the
 /// full echoes.
 ///

@@ -44,7 +44,8 @@ std::vector<double> fields_of(const EchoModel& m) {
           m.range_resolution_error_m,
           m.wood_error,
           m.wood_brightness,
-          m.wood_per_side};
+          m.wood_per_side,
+          m.angle_slope};
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   // with 13, which echo the lidar reports with 14, whether the range resolution is assumed and how many leaves make an
   // echo together with 18, what echoes hold of bare wood with 19, how leaves are
   // turned with 22 (an error of 0: not told), how well the range resolution is known with 29, what areas are off by
-  // wood's brightness with 30, that and how much wood there is with 31.
+  // wood's brightness with 30, that and how much wood there is with 31, how full echoes go with the angle with 35.
   constexpr std::size_t kOldest = 10;
   if (f.size() < kOldest || f.size() > fields_of({}).size())
     return damaged(arrays, "the model has another number of values");
@@ -103,6 +104,7 @@ Result<std::optional<EchoModel>> echo_model_from_arrays(const tile::ArraySet& ar
   if (!(m.range_resolution_error_m >= 0)) return damaged(arrays, "the range resolution's error is negative");
   if (f.size() > kOldest + 14) m.wood_error = f[kOldest + 14];
   if (f.size() > kOldest + 16) m.wood_brightness = f[kOldest + 15], m.wood_per_side = f[kOldest + 16];
+  if (f.size() > kOldest + 17) m.angle_slope = f[kOldest + 17];
   if (!(m.wood_error >= 0)) return damaged(arrays, "areas cannot be off that much by wood");
   if (!(m.wood_brightness > 0 && m.wood_per_side >= 0)) return damaged(arrays, "wood cannot be so dark, or so little");
   if (!(m.leaves_per_resolution >= 0)) return damaged(arrays, "leaves cannot be so few");

@@ -13,15 +13,15 @@ inline constexpr int kGeometryVersion = 5;
 inline constexpr int kProfileVersion = 1;
 inline constexpr int kVoxelSizeVersion = 5;
 inline constexpr int kSpotsVersion = 1;
-inline constexpr int kEchoesVersion = 33;
+inline constexpr int kEchoesVersion = 35;
 inline constexpr int kLeafAnglesVersion = 9;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 30;
+inline constexpr int kResultsVersion = 31;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 21;
-inline constexpr int kLeafByEstimateVersion = 17;
+inline constexpr int kLeafVersion = 22;
+inline constexpr int kLeafByEstimateVersion = 18;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,

@@ -44,6 +44,7 @@ void expect_same(const EchoModel& a, const EchoModel& b) {
   EXPECT_EQ(a.wood_error, b.wood_error);
   EXPECT_EQ(a.wood_brightness, b.wood_brightness);
   EXPECT_EQ(a.wood_per_side, b.wood_per_side);
+  EXPECT_EQ(a.angle_slope, b.angle_slope);
   EXPECT_EQ(a.leaves_per_resolution, b.leaves_per_resolution);
   EXPECT_EQ(a.wood_returned, b.wood_returned);
   ASSERT_EQ(a.leaf_normals.has_value(), b.leaf_normals.has_value());
@@ -116,9 +117,14 @@ TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
   whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
   whole.wood_returned = 0.8, whole.leaf_normals = LnRatio{0.4, 0.1}, whole.range_resolution_error_m = 0.03,
-  whole.wood_error = 0.05, whole.wood_brightness = 0.6, whole.wood_per_side = 0.18;
+  whole.wood_error = 0.05, whole.wood_brightness = 0.6, whole.wood_per_side = 0.18,
+  whole.angle_slope = 0.7;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
+  numbers.pop_back();
+  arrays.columns["model"] = numbers;
+  whole.angle_slope = 0;
+  expect_same(**echo_model_from_arrays(arrays), whole);
   numbers.resize(numbers.size() - 2);
   arrays.columns["model"] = numbers;
   whole.wood_brightness = 1, whole.wood_per_side = 0;

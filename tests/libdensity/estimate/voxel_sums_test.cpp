@@ -48,7 +48,7 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
 /// docs/beams.md, "How it is taken out".
 double through(double lost, double across, double resolution_m = kResolution) {
   const double hidden = 1.2 * kHidden * lost * across * std::exp(-std::max(0.0, resolution_m - 0.17) / 0.25);
-  return std::exp(-hidden - lost * std::min(1.0, 0.45 / across));
+  return std::exp(-hidden - lost * (0.26 * across + std::min(1.0, 0.45 / across)));
 }
 double across(const VoxelSums& s) { return s.hits / s.path; }  // of a row of which the voxel is all there is
 
@@ -172,8 +172,8 @@ TEST(VoxelSums, TheLessLeavesTheMoreOfWhatIsMissingIsWood) {
   dense.counters.path = static_cast<std::int64_t>(2 / VoxelCounters::kUnit);
   const VoxelSums many = sums_of(dense, model), all = sums_of(dense, model_of(0));
   ASSERT_GT(across(many), 1);
-  EXPECT_NEAR(few.path, (8 + 0.5 * 1.5) * std::exp(-0.1), 0.02);
-  EXPECT_NEAR(many.path, all.path * std::exp(-0.45 * 0.1 / across(many)), 0.02);
+  EXPECT_NEAR(few.path, (8 + 0.5 * 1.5) * std::exp(-0.1 - 0.26 * 0.1 * across(few)), 0.02);
+  EXPECT_NEAR(many.path, all.path * std::exp(-0.45 * 0.1 / across(many) - 0.26 * 0.1 * across(many)), 0.02);
 }
 
 // Rows that are dense at one end and bare at the other: what is missing is taken from the metres around.

@@ -89,16 +89,17 @@ TEST(ScanEchoes, WhatIsTakenOutLeavesLess) {
 }
 
 TEST(ScanEchoes, AreasAreTrustedLessTheMoreIsInNoEchoAndTheLessTheFullEchoIsKnown) {
-  const auto error = [](double full_echo_error, double lost_share, double leaves_per_resolution) {
+  const auto error = [](double full_echo_error, double lost_share, double leaves_per_resolution, double slope = 0) {
     EchoModel model{.full_echo = 100, .full_echo_error = full_echo_error, .leaf_size_from = LeafSizeFrom::pairs};
-    model.lost_share = lost_share, model.leaves_per_resolution = leaves_per_resolution;
+    model.lost_share = lost_share, model.leaves_per_resolution = leaves_per_resolution, model.angle_slope = slope;
     return integration_with_beam({.shared_error = 0}, scan_with(0.0136, 0.0119), model).shared_error;
   };
-  EXPECT_NEAR(error(0, 0, 0), 0.75 * 0.02, 1e-9);
-  EXPECT_NEAR(error(0.05, 0, 0), 0.75 * std::hypot(0.02, 0.8 * 0.05), 1e-9);
-  EXPECT_NEAR(error(0.05, 0, 1), 0.75 * std::hypot(0.02, 2.2 * 0.05), 1e-9);
-  EXPECT_NEAR(error(0, 0.1, 1), 0.75 * std::hypot(0.02, 0.9 * 0.1), 1e-9);
-  EXPECT_NEAR(error(0.05, 0.1, 1), 0.75 * std::hypot(0.02, 0.11, 0.09), 1e-9);
+  EXPECT_NEAR(error(0, 0, 0), 0.6 * 0.02, 1e-9);
+  EXPECT_NEAR(error(0.05, 0, 0), 0.6 * std::hypot(0.02, 0.8 * 0.05), 1e-9);
+  EXPECT_NEAR(error(0.05, 0, 1), 0.6 * std::hypot(0.02, 2.2 * 0.05), 1e-9);
+  EXPECT_NEAR(error(0, 0.1, 1), 0.6 * std::hypot(0.02, 0.9 * 0.1), 1e-9);
+  EXPECT_NEAR(error(0.05, 0.1, 1), 0.6 * std::hypot(0.02, 0.11, 0.09), 1e-9);
+  EXPECT_NEAR(error(0.05, 0.1, 1, 1.2), std::hypot(0.6 * std::hypot(0.02, 0.11, 0.09), 0.05 * 1.44), 1e-9);
 }
 
 TEST(ScanEchoes, WhereLeavesAreNotMeasuredAreasAreTrustedLess) {
