@@ -21,10 +21,10 @@ constexpr double kWoodInFullEcho = 0.5;  // relative error of the full echo, tim
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
 constexpr double kLackingError = 0.5;    // and of what they lack, as a share of it
 // ln of a full echo over the mean one: without anything else; where leaves stand apart, and for each side of a leaf
-// that beams are wide (both fading the more leaves make an echo together); for how it goes with the angle of incidence, per unit of cosine over a full echo;
-// for each mean echo that the weakest reach; and for each unit of ln of the strengths that some shares of the echoes do
-// not reach over the mean. Relative errors of what comes of it, beside wood among the leaves and of wood (over
-// leafiness).
+// that beams are wide (both fading the more leaves make an echo together); for how it goes with the angle of incidence,
+// per unit of cosine over a full echo; for each mean echo that the weakest reach; and for each unit of ln of the
+// strengths that some shares of the echoes do not reach over the mean. Relative errors of what comes of it, beside wood
+// among the leaves and of wood (over leafiness).
 constexpr double kAboveMean = 0.47, kApartAboveMean = 0.04, kWidthAboveMean = 0.71, kFadesPerLeaf = 0.75;
 constexpr double kAngleAboveMean = -0.05;
 constexpr double kWeakestAboveMean = -0.54;

@@ -88,9 +88,9 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// other is the mean echo times exp(0.47 + (0.04 + 0.71·D/s)·exp(−0.75·n) − 0.05·slope − 0.54·I₂/mean −
 /// 0.43·ln(I₂₀/mean) − 1.02·ln(I₄₀/mean) − 1.24·ln(I₉₀/mean)), the exponent kept between 0 and 0.7, n how many leaves
 /// stand in a range resolution (b times ends_per_metre_behind()), the slope FullEchoStrength::slope, I_p the strength
-/// that p % of the echoes do not reach; 4 % off, and 0.7 over the echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full
-/// echoes. What beams without an echo have met: unreturned_per_lost(), with the angle dependence and scatter of the
-/// full echoes.
+/// that p % of the echoes do not reach; 4 % off, and 0.7 over the echoes for each of a beam that falls wholly on a
+/// post. Detection share: the weakest over 1.03 full echoes. What beams without an echo have met:
+/// unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by

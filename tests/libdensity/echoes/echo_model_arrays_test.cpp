@@ -117,8 +117,7 @@ TEST(EchoModelArrays, OfOlderVersionsLackTheLastNumbers) {
   EchoModel whole = model_of(0.044, 60, 0.03, 0.05, 0.2, true);
   whole.beam.returns = ReturnMode::strongest, whole.resolution_assumed = true, whole.leaves_per_resolution = 0.4,
   whole.wood_returned = 0.8, whole.leaf_normals = LnRatio{0.4, 0.1}, whole.range_resolution_error_m = 0.03,
-  whole.wood_error = 0.05, whole.wood_brightness = 0.6, whole.wood_per_side = 0.18,
-  whole.angle_slope = 0.7;
+  whole.wood_error = 0.05, whole.wood_brightness = 0.6, whole.wood_per_side = 0.18, whole.angle_slope = 0.7;
   std::vector<double> numbers = model_numbers(whole);
   tile::ArraySet arrays = arrays_from_echo_model(std::nullopt);
   numbers.pop_back();

@@ -56,8 +56,8 @@ constexpr double strength(double share) { return 0.7 + 0.6 * share; }
 const double kMeanError = std::hypot(0.04, 0.05 * 0.35);
 
 /// exp(0.47 + (0.04 + 0.71·D/s)·exp(−0.75·n) − 0.05·slope − 0.54·I₂/Ī − 0.43·ln(I₂₀/Ī) − 1.02·ln(I₄₀/Ī) −
-/// 1.24·ln(I₉₀/Ī)) of whole_leaves(), I₂ the strength that 2 % of the echoes do not reach, n how many leaves stand in one
-/// range resolution.
+/// 1.24·ln(I₉₀/Ī)) of whole_leaves(), I₂ the strength that 2 % of the echoes do not reach, n how many leaves stand in
+/// one range resolution.
 double above_mean(double widths, double leaves_per_resolution, double slope = 0.35) {
   return std::exp(0.47 + (0.04 + 0.71 * widths) * std::exp(-0.75 * leaves_per_resolution) - 0.05 * slope -
                   0.54 * strength(0.02) - 0.43 * std::log(strength(0.2)) - 1.02 * std::log(strength(0.4)) -
