@@ -11,8 +11,9 @@ constexpr int kRounds = 3;
 // What keeps beams from returning what thin rays would, as parts of −ln R (docs/beams.md, "How it is taken out"):
 // times the unreturned share and the optical path across the row, less where a coarse range resolution adds up leaves,
 constexpr double kUnreturnedAcross = 1.2, kFadesFromM = 0.17, kFadesM = 0.25;
-// times the lost share and that path, and the lost share over that path, for wood, but no more than all of it, and
-constexpr double kLostAcross = 0.26, kLostOfWood = 0.45;
+// times the lost share and that path (kMostLostAcross at most: hardly a scan of the fit has more), and the lost share
+// over that path, for wood, but no more than all of it, and
+constexpr double kLostAcross = 0.26, kMostLostAcross = 0.2, kLostOfWood = 0.45;
 // the beam's width over a leaf's side, less where leaves of a range resolution add up;
 constexpr double kCutByEdges = 0.10, kAddedUp = 1.5;
 // of lidars that report one echo of several and not the first, what the others took: times the root of the width over a
@@ -126,10 +127,10 @@ class EchoesOfRow {
     const double together = row.density_per_side * model_.range_resolution_m / section_.voxel_m;
     const double added_up_m = std::max(0.0, model_.range_resolution_m - kFadesFromM);
     const double unreturned = model_.unreturned_share * row.thickness * std::exp(-added_up_m / kFadesM);
-    const double of_wood = row.thickness > 0 ? std::min(1.0, kLostOfWood / row.thickness) : 0;
-    const double lost = model_.lost_share * (kLostAcross * row.thickness + of_wood);
-    const double missing = kUnreturnedAcross * unreturned + lost + kCutByEdges * widths * (1 - kAddedUp * together) +
-                           in_other_echoes(widths, row.thickness);
+    const double lost_across = std::min(kMostLostAcross, model_.lost_share * row.thickness);
+    const double of_wood = row.thickness > 0 ? model_.lost_share * std::min(1.0, kLostOfWood / row.thickness) : 0;
+    const double missing = kUnreturnedAcross * unreturned + kLostAcross * lost_across + of_wood +
+                           kCutByEdges * widths * (1 - kAddedUp * together) + in_other_echoes(widths, row.thickness);
     return std::clamp(std::exp(-missing), kLeastReturned, kMostReturned);
   }
 

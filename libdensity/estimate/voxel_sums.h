@@ -34,7 +34,7 @@ struct CrossSection {
 /// optical path of a ray right across the row and n that of a range resolution, both as the row is within 1.5 m along
 /// it; q the brightness of wood beside that of leaves and W half its surface per area of the canopy's side:
 ///   hits = Σ s/(1 − p·(1 − q)),  p = min(0.8, 0.5·W/T),  path = R·(Σ u + Σ (1 − s)·u behind the echoes),
-///   −ln R = 1.2·υ·T·exp(−max(0, b − 0.17 m)/0.25 m) + 0.26·ℓ·T + ℓ·min(1, 0.45/T) + 0.10·D·(1 − 1.5·n)
+///   −ln R = 1.2·υ·T·exp(−max(0, b − 0.17 m)/0.25 m) + 0.26·min(0.2, ℓ·T) + ℓ·min(1, 0.45/T) + 0.10·D·(1 − 1.5·n)
 /// and, of lidars that report the strongest or the last of several echoes,
 ///   1.1·√(D·T)·max(0, 0.5 − t)·exp(−b/0.25 m) or 11·√(D·T)·max(0, 0.5 − t)²·exp(−b/0.25 m) more
 /// (docs/beams.md, "How it is taken out"). T and n come from the round before: three rounds.

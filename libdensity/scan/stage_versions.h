@@ -17,11 +17,11 @@ inline constexpr int kEchoesVersion = 35;
 inline constexpr int kLeafAnglesVersion = 9;
 inline constexpr int kRowSegmentsVersion = 2;
 inline constexpr int kVoxelsVersion = 5;
-inline constexpr int kResultsVersion = 31;
+inline constexpr int kResultsVersion = 32;
 inline constexpr int kEstimationVersion = 1;
 inline constexpr int kTotalsVersion = 4;
-inline constexpr int kLeafVersion = 22;
-inline constexpr int kLeafByEstimateVersion = 18;
+inline constexpr int kLeafVersion = 23;
+inline constexpr int kLeafByEstimateVersion = 19;
 
 inline std::vector<double> stage_versions() {
   return {kSurveyVersion,     kGroundVersion,      kEvidenceVersion, kGeometryVersion,

@@ -48,7 +48,7 @@ VoxelSums sums_of(const Voxel& v, const EchoModel& model) {
 /// docs/beams.md, "How it is taken out".
 double through(double lost, double across, double resolution_m = kResolution) {
   const double hidden = 1.2 * kHidden * lost * across * std::exp(-std::max(0.0, resolution_m - 0.17) / 0.25);
-  return std::exp(-hidden - lost * (0.26 * across + std::min(1.0, 0.45 / across)));
+  return std::exp(-hidden - lost * std::min(1.0, 0.45 / across) - 0.26 * std::min(0.2, lost * across));
 }
 double across(const VoxelSums& s) { return s.hits / s.path; }  // of a row of which the voxel is all there is
 
