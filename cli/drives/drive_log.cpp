@@ -78,6 +78,8 @@ Result<OpenedLog> open_log(const std::string& log, const std::string& rig_file, 
     RAYFIELD_ASSIGN(opened.report, formats::read_log(log, opened.rig, place, options));
   }
   if (const auto position = place.position(); position && !crs.empty()) RAYFIELD_CHECK(check_crs_suits(crs, *position));
+  if (opened.report.points.later_echoes > 0 && opened.rig.lidar.beam)
+    opened.rig.lidar.beam->returns = ReturnMode::first;
   opened.warnings = opened.report.warnings();
   if (const std::string gap = missing_position(opened); !gap.empty())
     opened.warnings.push_back("nothing is georeferenced: " + gap);

@@ -32,6 +32,7 @@ class BagSink : public SensorSink {
       : writer_(writer),
         pattern_(pattern_of(site)),
         spinning_(site.lidar.kind == sim::LidarKind::spinning),
+        several_echoes_(site.lidar.echoes > 1),
         beams_(static_cast<std::size_t>(site.multi_beam.beams)),
         rate_rad_s_(2 * std::numbers::pi * site.spinning.spin_rate_hz) {}
   void imu(const ImuSample& sample) override { take(writer_.imu(sample)); }
@@ -41,8 +42,9 @@ class BagSink : public SensorSink {
     // All beams of an azimuth follow each other, lowest first.
     for (std::size_t k = rings_.size(); !spinning_ && k < scan.range_m.size(); ++k)
       rings_.push_back(static_cast<std::uint16_t>(k % beams_));
-    take(spinning_ ? writer_.scan(scan.time_s, pattern_, scan.range_m, scan.intensity)
-                   : writer_.points(scan, std::span(rings_).first(scan.range_m.size())));
+    take(!spinning_        ? writer_.points(scan, std::span(rings_).first(scan.range_m.size()))
+         : several_echoes_ ? writer_.multi_echo_scan(pattern_, scan)
+                           : writer_.scan(scan.time_s, pattern_, scan.range_m, scan.intensity));
   }
   const std::optional<Error>& error() const { return error_; }
 
@@ -52,7 +54,7 @@ class BagSink : public SensorSink {
   }
   formats::SensorLogWriter& writer_;
   formats::ScanPattern pattern_;
-  bool spinning_;
+  bool spinning_, several_echoes_;
   std::size_t beams_;
   std::vector<std::uint16_t> rings_;
   double rate_rad_s_;

@@ -10,6 +10,27 @@ Eigen::Vector3d take_vector3(ByteCursor& cursor) {
   return {x, y, z};
 }
 
+void take_plane_scan(ByteCursor& cursor, PlaneScanView& scan) {
+  scan.header = take_ros_header(cursor);
+  scan.angle_min = cursor.get<float>();
+  scan.angle_max = cursor.get<float>();
+  scan.angle_increment = cursor.get<float>();
+  scan.time_increment = cursor.get<float>();
+  scan.scan_time = cursor.get<float>();
+  scan.range_min = cursor.get<float>();
+  scan.range_max = cursor.get<float>();
+}
+
+/// sensor_msgs/LaserEcho[]. Each takes four bytes at least, so a wrong count cannot ask for more than the message
+/// holds.
+bool take_echoes(ByteCursor& cursor, std::vector<std::span<const std::byte>>& beams) {
+  const std::size_t count = cursor.get<std::uint32_t>();
+  if (count > cursor.remaining() / sizeof(std::uint32_t)) return false;
+  beams.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) beams.push_back(cursor.take_array<float>());
+  return true;
+}
+
 /// True once a message has been read to its last byte and no further.
 bool complete(const ByteCursor& cursor) { return !cursor.failed() && cursor.remaining() == 0; }
 
@@ -74,17 +95,19 @@ std::optional<double> joint_position(const JointStateView& state, std::string_vi
 std::optional<LaserScanView> decode_laser_scan(std::span<const std::byte> message) {
   ByteCursor cursor(message);
   LaserScanView scan;
-  scan.header = take_ros_header(cursor);
-  scan.angle_min = cursor.get<float>();
-  scan.angle_max = cursor.get<float>();
-  scan.angle_increment = cursor.get<float>();
-  scan.time_increment = cursor.get<float>();
-  scan.scan_time = cursor.get<float>();
-  scan.range_min = cursor.get<float>();
-  scan.range_max = cursor.get<float>();
+  take_plane_scan(cursor, scan);
   scan.ranges = cursor.take_array<float>();
   scan.intensities = cursor.take_array<float>();
   if (!complete(cursor)) return std::nullopt;
+  return scan;
+}
+
+std::optional<MultiEchoLaserScanView> decode_multi_echo_laser_scan(std::span<const std::byte> message) {
+  ByteCursor cursor(message);
+  MultiEchoLaserScanView scan;
+  take_plane_scan(cursor, scan);
+  if (!take_echoes(cursor, scan.ranges) || !take_echoes(cursor, scan.intensities) || !complete(cursor))
+    return std::nullopt;
   return scan;
 }
 

@@ -26,13 +26,23 @@ std::optional<JointStateView> decode_joint_state(std::span<const std::byte> mess
 /// Position of a joint; nothing where the message does not have it.
 std::optional<double> joint_position(const JointStateView& state, std::string_view joint);
 
-struct LaserScanView {
+/// What scans in a plane say of their beams.
+struct PlaneScanView {
   RosHeader header;
   float angle_min = 0, angle_max = 0, angle_increment = 0, time_increment = 0, scan_time = 0;
   float range_min = 0, range_max = 0;
+};
+
+struct LaserScanView : PlaneScanView {
   std::span<const std::byte> ranges, intensities;  ///< float32[]
   std::size_t beams() const { return ranges.size() / sizeof(float); }
 };
 std::optional<LaserScanView> decode_laser_scan(std::span<const std::byte> message);
+
+struct MultiEchoLaserScanView : PlaneScanView {
+  std::vector<std::span<const std::byte>> ranges, intensities;  ///< of each beam, float32[] of its echoes
+  std::size_t beams() const { return ranges.size(); }
+};
+std::optional<MultiEchoLaserScanView> decode_multi_echo_laser_scan(std::span<const std::byte> message);
 
 }  // namespace rayfield::formats

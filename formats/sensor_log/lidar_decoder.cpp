@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/rosbag/point_cloud2.h"
 #include "formats/sensor_log/point_time.h"
 
 namespace rayfield::formats {
@@ -16,8 +15,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 /// A sweep longer than this is not a sweep: its times are wrong.
 constexpr double kLongestSweep_s = 10.0;
-/// Under no_return = max_range, ranges this close to it count as none: cartesian points round.
-constexpr double kMaxRangeShare = 1.0 - 1e-4;
 
 /// A field may hold anything, NaN too.
 std::uint16_t ring_number(double value) {
@@ -30,21 +27,18 @@ std::uint16_t ring_number(double value) {
 float LidarDecoder::classify(float range_m) {
   ++counts_.points;
   if (range_m == 0.0F) ++counts_.zeros;
-  const double max_m = lidar_.max_range_m;
-  const bool none = lidar_.no_return == NoReturn::zero        ? range_m == 0.0F
-                    : lidar_.no_return == NoReturn::max_range ? static_cast<double>(range_m) >= max_m * kMaxRangeShare
-                                                              : false;
-  if (none || static_cast<double>(range_m) > max_m) {
-    ++counts_.no_returns;
-    return kInfinity;
-  }
-  if (std::isnan(range_m) || (range_m < 0 && std::isfinite(range_m))) {
-    ++counts_.invalid;
-    return kNaN;
-  }
-  if (static_cast<double>(range_m) < lidar_.min_range_m) {
-    ++counts_.too_close;
-    return -kInfinity;
+  switch (kind_of_range(range_m, lidar_)) {
+    case RangeKind::none:
+      ++counts_.no_returns;
+      return kInfinity;
+    case RangeKind::invalid:
+      ++counts_.invalid;
+      return kNaN;
+    case RangeKind::too_close:
+      ++counts_.too_close;
+      return -kInfinity;
+    case RangeKind::returned:
+      break;
   }
   ++counts_.returns;
   return range_m;
@@ -56,8 +50,7 @@ DecodeState LidarDecoder::state_since(const LidarPointCounts& before) const {
   return informative ? DecodeState::usable : DecodeState::invalid;
 }
 
-void LidarDecoder::use_pattern(const LaserScanView& view) {
-  const std::size_t beams = view.beams();
+void LidarDecoder::use_pattern(const PlaneScanView& view, std::size_t beams) {
   scan_.range_m.resize(beams);
   if (has_pattern_ && scan_.direction.size() == beams && angle_min_ == view.angle_min &&
       angle_increment_ == view.angle_increment && time_increment_ == view.time_increment) {
@@ -75,28 +68,35 @@ void LidarDecoder::use_pattern(const LaserScanView& view) {
   angle_min_ = view.angle_min, angle_increment_ = view.angle_increment, time_increment_ = view.time_increment;
 }
 
-Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns) {
-  const std::optional<LaserScanView> view = decode_laser_scan(message);
-  if (!view) return DecodeState::undecodable;
-  const double sweep = std::abs(static_cast<double>(view->time_increment)) * static_cast<double>(view->beams());
-  if (!std::isfinite(view->angle_min) || !std::isfinite(view->angle_increment) || !(sweep <= kLongestSweep_s)) {
+Result<DecodeState> LidarDecoder::begin_plane_scan(const PlaneScanView& view, std::size_t beams,
+                                                   std::int64_t stamp_ns) {
+  const double sweep = std::abs(static_cast<double>(view.time_increment)) * static_cast<double>(beams);
+  if (!std::isfinite(view.angle_min) || !std::isfinite(view.angle_increment) || !(sweep <= kLongestSweep_s)) {
     return DecodeState::invalid;
   }
-  const double sensor_max_m = static_cast<double>(view->range_max);
+  const double sensor_max_m = static_cast<double>(view.range_max);
   if (std::isfinite(sensor_max_m) && sensor_max_m > 0 && lidar_.max_range_m > sensor_max_m * 1.01) {
     return fail(ErrorCode::usage, kWhat, {},
                 "the rig's max_range_m is larger than the range_max of the scans, and the space between would count "
                 "as seen empty",
-                "set max_range_m = " + std::to_string(view->range_max) + " or less");
+                "set max_range_m = " + std::to_string(view.range_max) + " or less");
   }
-  use_pattern(*view);
+  use_pattern(view, beams);
   scan_.time_s = seconds_from_ns(stamp_ns);
+  scan_.intensity.clear();
+  return DecodeState::usable;
+}
+
+Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns) {
+  const std::optional<LaserScanView> view = decode_laser_scan(message);
+  if (!view) return DecodeState::undecodable;
+  RAYFIELD_ASSIGN(const DecodeState begun, begin_plane_scan(*view, view->beams(), stamp_ns));
+  if (begun != DecodeState::usable) return begun;
   const LidarPointCounts before = counts_;
   for (std::size_t i = 0; i < view->beams(); ++i) {
     scan_.range_m[i] = classify(load<float>(view->ranges.data() + i * sizeof(float)));
   }
   // Some drivers leave intensities out, some send a different number: then there are none.
-  scan_.intensity.clear();
   if (view->intensities.size() == view->ranges.size() && !view->ranges.empty()) {
     scan_.intensity.resize(view->beams());
     std::memcpy(scan_.intensity.data(), view->intensities.data(), view->intensities.size());
@@ -104,31 +104,47 @@ Result<DecodeState> LidarDecoder::laser_scan(std::span<const std::byte> message,
   return state_since(before);
 }
 
-/// Takes every point that has a time. Shots without a return come in two kinds: those with a place count by their
-/// range, those without (gaps) get their direction from the other beams once the whole sweep is known.
-Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns) {
-  const std::optional<PointCloud2View> cloud = decode_point_cloud2(message);
-  if (!cloud) return DecodeState::undecodable;
-  if (cloud->big_endian) return fail(ErrorCode::bad_input, kWhat, {}, "big-endian point clouds are not supported");
-  const PointFieldView* x = cloud->find("x");
-  const PointFieldView* y = cloud->find("y");
-  const PointFieldView* z = cloud->find("z");
+/// A beam without echoes has met nothing.
+Result<DecodeState> LidarDecoder::multi_echo_laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns) {
+  const std::optional<MultiEchoLaserScanView> view = decode_multi_echo_laser_scan(message);
+  if (!view) return DecodeState::undecodable;
+  RAYFIELD_ASSIGN(const DecodeState begun, begin_plane_scan(*view, view->beams(), stamp_ns));
+  if (begun != DecodeState::usable) return begun;
+  const auto same_size = [](const auto& ranges, const auto& strengths) { return ranges.size() == strengths.size(); };
+  const bool has_intensity = std::equal(view->ranges.begin(), view->ranges.end(), view->intensities.begin(),
+                                        view->intensities.end(), same_size);
+  if (has_intensity) scan_.intensity.resize(view->beams());
+  const LidarPointCounts before = counts_;
+  for (std::size_t i = 0; i < view->beams(); ++i) {
+    echoes_.resize(view->ranges[i].size() / sizeof(float));
+    if (!echoes_.empty()) std::memcpy(echoes_.data(), view->ranges[i].data(), view->ranges[i].size());
+    const std::optional<FirstEcho> first = first_echo(echoes_, lidar_);
+    scan_.range_m[i] = classify(first ? echoes_[first->index] : kInfinity);
+    if (first) counts_.later_echoes += first->later;
+    if (has_intensity)
+      scan_.intensity[i] = first ? load<float>(view->intensities[i].data() + first->index * sizeof(float)) : 0.0F;
+  }
+  return state_since(before);
+}
+
+/// Every point that has a time. Returns whether they have rings.
+Result<bool> LidarDecoder::collect_points(const PointCloud2View& cloud, std::int64_t stamp_ns) {
+  const PointFieldView* x = cloud.find("x");
+  const PointFieldView* y = cloud.find("y");
+  const PointFieldView* z = cloud.find("z");
   if (x == nullptr || y == nullptr || z == nullptr) {
     return fail(ErrorCode::bad_input, kWhat, {}, "the point clouds have no fields x, y and z");
   }
-  const PointFieldView* intensity = cloud->find("intensity");
-  if (intensity == nullptr) intensity = cloud->find("reflectivity");
-  const PointFieldView* ring = cloud->find("ring");
-  if (ring == nullptr) ring = cloud->find("channel");
-  RAYFIELD_ASSIGN(const PointTime time, PointTime::find(*cloud, stamp_ns));
-  has_pattern_ = false;
-  scan_.time_s = seconds_from_ns(stamp_ns);
-  scan_.direction.clear(), scan_.range_m.clear(), scan_.time_offset_s.clear(), scan_.intensity.clear();
-  shots_.clear(), gaps_.clear();
-  const LidarPointCounts before = counts_;
-  for (std::uint32_t row = 0; row < cloud->height; ++row) {
-    const std::byte* point = cloud->data.data() + std::size_t{row} * cloud->row_step;
-    for (std::uint32_t column = 0; column < cloud->width; ++column, point += cloud->point_step) {
+  const PointFieldView* intensity = cloud.find("intensity");
+  if (intensity == nullptr) intensity = cloud.find("reflectivity");
+  const PointFieldView* ring = cloud.find("ring");
+  if (ring == nullptr) ring = cloud.find("channel");
+  RAYFIELD_ASSIGN(const PointTime time, PointTime::find(cloud, stamp_ns));
+  has_intensity_ = intensity != nullptr;
+  points_.clear();
+  for (std::uint32_t row = 0; row < cloud.height; ++row) {
+    const std::byte* point = cloud.data.data() + std::size_t{row} * cloud.row_step;
+    for (std::uint32_t column = 0; column < cloud.width; ++column, point += cloud.point_step) {
       const Eigen::Vector3d p(x->value(point), y->value(point), z->value(point));
       const double offset_s = time.offset_s(point);
       const double range_m = p.norm();
@@ -139,20 +155,41 @@ Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> messag
         counts_.zeros += range_m == 0;
         continue;
       }
-      const auto number = ring != nullptr     ? ring_number(ring->value(point))
-                          : cloud->height > 1 ? static_cast<std::uint16_t>(row)
-                                              : std::uint16_t{0};
-      const auto offset = static_cast<float>(offset_s);
-      const Eigen::Vector3f direction = placed ? Eigen::Vector3f((p / range_m).cast<float>()) : Eigen::Vector3f::Zero();
-      if (placed)
-        shots_.push_back({number, offset, direction});
-      else
-        gaps_.push_back({scan_.range_m.size(), number, range_m == 0});
-      scan_.direction.push_back(direction);
-      scan_.range_m.push_back(placed ? classify(static_cast<float>(range_m)) : kInfinity);
-      scan_.time_offset_s.push_back(offset);
-      if (intensity != nullptr) scan_.intensity.push_back(static_cast<float>(intensity->value(point)));
+      CloudPoint& taken = points_.emplace_back();
+      taken.ring = ring != nullptr    ? ring_number(ring->value(point))
+                   : cloud.height > 1 ? static_cast<std::uint16_t>(row)
+                                      : std::uint16_t{0};
+      taken.time_offset_s = static_cast<float>(offset_s);
+      if (placed) taken.direction = (p / range_m).cast<float>();
+      taken.range_m = static_cast<float>(range_m);
+      if (has_intensity_) taken.intensity = static_cast<float>(intensity->value(point));
     }
+  }
+  return ring != nullptr || cloud.height > 1;
+}
+
+/// Shots without a return come in two kinds: those with a place count by their range, those without (gaps) get their
+/// direction from the other beams once the whole sweep is known.
+Result<DecodeState> LidarDecoder::point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns) {
+  const std::optional<PointCloud2View> cloud = decode_point_cloud2(message);
+  if (!cloud) return DecodeState::undecodable;
+  if (cloud->big_endian) return fail(ErrorCode::bad_input, kWhat, {}, "big-endian point clouds are not supported");
+  const LidarPointCounts before = counts_;
+  RAYFIELD_ASSIGN(const bool has_rings, collect_points(*cloud, stamp_ns));
+  counts_.later_echoes += keep_first_echoes(points_, has_rings, lidar_);
+  has_pattern_ = false;
+  scan_.time_s = seconds_from_ns(stamp_ns);
+  scan_.direction.clear(), scan_.range_m.clear(), scan_.time_offset_s.clear(), scan_.intensity.clear();
+  shots_.clear(), gaps_.clear();
+  for (const CloudPoint& point : points_) {
+    if (point.placed())
+      shots_.push_back({point.ring, point.time_offset_s, point.direction});
+    else
+      gaps_.push_back({scan_.range_m.size(), point.ring, point.range_m == 0});
+    scan_.direction.push_back(point.direction);
+    scan_.range_m.push_back(point.placed() ? classify(point.range_m) : kInfinity);
+    scan_.time_offset_s.push_back(point.time_offset_s);
+    if (has_intensity_) scan_.intensity.push_back(point.intensity);
   }
   fill_gaps();
   return state_since(before);

@@ -4,8 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "formats/rosbag/point_cloud2.h"
 #include "formats/rosbag/ros_decode.h"
 #include "formats/sensor_log/beam_geometry.h"
+#include "formats/sensor_log/first_echoes.h"
 #include "rayfield/core/result.h"
 #include "rayfield/core/rig.h"
 #include "rayfield/core/sensor_log.h"
@@ -15,7 +17,7 @@ namespace rayfield::formats {
 
 enum class DecodeState { usable, undecodable, invalid };
 
-/// Turns LaserScan and PointCloud2 messages into LidarScan under a rig's range convention.
+/// Turns LaserScan, MultiEchoLaserScan and PointCloud2 messages into LidarScan under a rig's range convention.
 class LidarDecoder {
  public:
   explicit LidarDecoder(const Rig::Lidar& lidar) : lidar_(lidar) {}
@@ -23,6 +25,7 @@ class LidarDecoder {
   /// Decodes into scan(); `stamp_ns` replaces the header's stamp. An invalid scan has not a single usable measurement.
   /// Errors: bad_input, usage (without `where`, which the caller knows).
   Result<DecodeState> laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns);
+  Result<DecodeState> multi_echo_laser_scan(std::span<const std::byte> message, std::int64_t stamp_ns);
   Result<DecodeState> point_cloud2(std::span<const std::byte> message, std::int64_t stamp_ns);
 
   const LidarScan& scan() const { return scan_; }
@@ -31,7 +34,10 @@ class LidarDecoder {
  private:
   float classify(float range_m);
   DecodeState state_since(const LidarPointCounts& before) const;
-  void use_pattern(const LaserScanView& view);
+  /// Usable where the beams of a scan in a plane lie as directions and times.
+  Result<DecodeState> begin_plane_scan(const PlaneScanView& view, std::size_t beams, std::int64_t stamp_ns);
+  void use_pattern(const PlaneScanView& view, std::size_t beams);
+  Result<bool> collect_points(const PointCloud2View& cloud, std::int64_t stamp_ns);
   bool is_gap(double range_m) const;
   void fill_gaps();
 
@@ -48,8 +54,11 @@ class LidarDecoder {
   // The pattern whose directions and times scan_ holds: a lidar keeps the same one from scan to scan.
   bool has_pattern_ = false;
   float angle_min_ = 0, angle_increment_ = 0, time_increment_ = 0;
+  std::vector<float> echoes_;  // of one beam
   // Of the cloud at hand.
   BeamGeometry beams_;
+  std::vector<CloudPoint> points_;
+  bool has_intensity_ = false;
   std::vector<BeamGeometry::Shot> shots_;
   std::vector<Gap> gaps_;
 };

@@ -65,6 +65,7 @@ struct TopicStatistics {
     }
     if (!lidar) return true;
     if (info.type == laser_scan_definition().type) return add_to(lidar, decode_laser_scan(data));
+    if (info.type == multi_echo_laser_scan_definition().type) return add_to(lidar, decode_multi_echo_laser_scan(data));
     return add_to(lidar, decode_point_cloud2(data));
   }
 
@@ -179,7 +180,7 @@ void add_sensor_problems(const LogInfo& info, std::vector<std::string>& lines) {
   for (const GpsInfo& gps : info.gps) {
     if (gps.without_fix > 0) lines.push_back(fmt::format("{}: {} messages without a fix", gps.topic, gps.without_fix));
   }
-  if (info.lidars.empty()) lines.push_back("no lidar (sensor_msgs/LaserScan or PointCloud2)");
+  if (info.lidars.empty()) lines.push_back("no lidar (sensor_msgs/LaserScan, MultiEchoLaserScan or PointCloud2)");
   if (info.imus.empty()) lines.push_back("no IMU (sensor_msgs/Imu)");
   if (info.gps.empty()) lines.push_back("no GPS (sensor_msgs/NavSatFix): nothing can be georeferenced");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "formats/sensor_log/point_time.h"
@@ -72,6 +73,22 @@ void LidarStatistics::add(const LaserScanView& scan) {
   for (std::size_t i = 0; i < scan.beams(); ++i) {
     add_range(static_cast<double>(load<float>(scan.ranges.data() + i * sizeof(float))));
   }
+  add_limits(scan);
+}
+
+// A beam without echoes has met nothing.
+void LidarStatistics::add(const MultiEchoLaserScanView& scan) {
+  ++messages_, ++looked_at_;
+  for (const std::span<const std::byte> beam : scan.ranges) {
+    if (beam.empty()) add_range(std::numeric_limits<double>::infinity());
+    if (beam.size() > sizeof(float)) ++info_.several_echoes;
+    for (std::size_t at = 0; at < beam.size(); at += sizeof(float))
+      add_range(static_cast<double>(load<float>(beam.data() + at)));
+  }
+  add_limits(scan);
+}
+
+void LidarStatistics::add_limits(const PlaneScanView& scan) {
   info_.range_min_m = static_cast<double>(scan.range_min);
   info_.range_max_m = static_cast<double>(scan.range_max);
   info_.time_increment_s = static_cast<double>(scan.time_increment);

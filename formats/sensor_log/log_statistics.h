@@ -34,11 +34,13 @@ class LidarStatistics {
  public:
   explicit LidarStatistics(std::string topic) { info_.topic = std::move(topic); }
   void add(const LaserScanView& scan);
+  void add(const MultiEchoLaserScanView& scan);
   void add(const PointCloud2View& cloud);
   LidarInfo report() const;
 
  private:
   void add_range(double range_m);
+  void add_limits(const PlaneScanView& scan);
   LidarInfo info_;
   std::uint64_t messages_ = 0, looked_at_ = 0;
 };

@@ -49,15 +49,18 @@ const char* no_return_of(const LidarInfo& lidar) {
 constexpr std::string_view kReturnsText =
     "# returns = \"first\"  # or \"strongest\" or \"last\": the echo that the lidar is set to report (docs/rig.md)\n";
 
-/// The model where the log names it; else what to fill in. No log tells which echo is reported.
-std::string beam_text(const std::string& names) {
-  const std::string_view model = model_in_name(names);
+constexpr std::string_view kSeveralText =
+    "# the log has several echoes of a beam: the first of each is taken (docs/rosbag.md)\n";
+
+/// The model where the log names it; else what to fill in. No log of single echoes tells which of them is reported.
+std::string beam_text(const std::string& names, bool several_echoes) {
+  const std::string_view model = model_in_name(names), returns = several_echoes ? kSeveralText : kReturnsText;
   if (!model.empty())
-    return fmt::format("model = \"{}\"  # for the width of its beam; guessed from a name\n{}", model, kReturnsText);
+    return fmt::format("model = \"{}\"  # for the width of its beam; guessed from a name\n{}", model, returns);
   return fmt::format(
       "# model = \"{}\"  # for the width of its beam, which no log tells: one of {};\n"
       "# or beam_diameter_m and beam_divergence_rad from the sensor's data sheet\n{}",
-      "LMS511", known_lidar_models(), kReturnsText);
+      "LMS511", known_lidar_models(), returns);
 }
 
 std::string lidar_text(const LidarInfo& lidar, const std::string& frame_id) {
@@ -70,7 +73,7 @@ std::string lidar_text(const LidarInfo& lidar, const std::string& frame_id) {
       fmt::format("[lidar]\ntopic = {}\nmin_range_m = {:.6g}\nmax_range_m = {:.6g}{}\nno_return = \"{}\"\n",
                   toml_quoted(lidar.topic), min_m, std::min(max_m, 1000.0),
                   stated ? "" : "  # the largest range in the log; take the sensor's data sheet", no_return_of(lidar));
-  text += beam_text(frame_id + " " + lidar.topic);
+  text += beam_text(frame_id + " " + lidar.topic, lidar.several_echoes > 0);
   const double zeros =
       100.0 * static_cast<double>(lidar.zero) / static_cast<double>(std::max<std::uint64_t>(1, lidar.points));
   const double infinite =

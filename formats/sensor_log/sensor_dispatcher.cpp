@@ -80,9 +80,11 @@ Result<DecodeState> SensorDispatcher::decode(SensorKind kind, const BufferedMess
     case SensorKind::lidar:
       break;
   }
-  const bool flat = topic(SensorKind::lidar).type == laser_scan_definition().type;
-  auto state =
-      flat ? lidar_.laser_scan(message.data, message.stamp_ns) : lidar_.point_cloud2(message.data, message.stamp_ns);
+  const std::string_view type = topic(SensorKind::lidar).type;
+  auto state = type == laser_scan_definition().type ? lidar_.laser_scan(message.data, message.stamp_ns)
+               : type == multi_echo_laser_scan_definition().type
+                   ? lidar_.multi_echo_laser_scan(message.data, message.stamp_ns)
+                   : lidar_.point_cloud2(message.data, message.stamp_ns);
   if (state && *state == DecodeState::usable) sink_.lidar(lidar_.scan());
   return state;
 }

@@ -90,6 +90,11 @@ std::vector<std::string> LogReport::warnings() const {
   const auto share_of = [&](std::uint64_t count) {
     return points.points == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(points.points);
   };
+  if (points.later_echoes > 0) {
+    lines.push_back(fmt::format(
+        "the lidar reports several echoes of a beam: the first of each is taken, {} later ones are left out",
+        points.later_echoes));
+  }
   if (points.without_direction > 0) {
     lines.push_back(
         fmt::format("{} points ({:.1f} %) at the sensor's origin left out: their direction is unknown, so "

@@ -38,6 +38,45 @@ void put_point_field(std::string_view name, std::uint32_t offset, NumberType typ
   out.text(name), out.put(offset), out.put(static_cast<std::uint8_t>(type)), out.put(std::uint32_t{1});
 }
 
+Result<void> check_sizes(const ScanPattern& pattern, std::size_t ranges, std::size_t intensities) {
+  if (ranges == pattern.beams && (intensities == 0 || intensities == pattern.beams)) return {};
+  return fail(ErrorCode::usage, kWhat, "scan", "ranges or intensities are not as many as the beams");
+}
+
+/// Later echoes follow a return of their beam, in the order of points.
+Result<void> check_later(const LidarScan& scan) {
+  std::uint32_t last = 0;
+  for (const LaterEcho& later : scan.later) {
+    if (later.point >= scan.range_m.size() || later.point < last || !std::isfinite(scan.range_m[later.point]))
+      return fail(ErrorCode::usage, kWhat, "later echoes", "they are out of order, or follow no return");
+    last = later.point;
+  }
+  return {};
+}
+
+void put_pattern(const ScanPattern& pattern, ByteBuilder& out) {
+  const double last = pattern.beams > 0 ? static_cast<double>(pattern.beams - 1) : 0.0;
+  for (const double value :
+       {pattern.angle_min_rad, pattern.angle_min_rad + last * pattern.angle_increment_rad, pattern.angle_increment_rad,
+        pattern.time_increment_s, pattern.scan_time_s, pattern.range_min_m, pattern.range_max_m}) {
+    out.put(static_cast<float>(value));
+  }
+}
+
+/// sensor_msgs/LaserEcho[]: of each beam the first echo, if something came back, and the later ones.
+void put_echoes(const LidarScan& scan, std::span<const float> first, float LaterEcho::*value, ByteBuilder& out) {
+  out.put(static_cast<std::uint32_t>(first.size()));
+  auto later = scan.later.begin();
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const auto begin = later;
+    while (later != scan.later.end() && later->point == i) ++later;
+    const bool nothing = std::isinf(scan.range_m[i]) && scan.range_m[i] > 0;
+    out.put(static_cast<std::uint32_t>((nothing ? 0 : 1) + (later - begin)));
+    if (!nothing) out.put(first[i]);
+    for (auto echo = begin; echo != later; ++echo) out.put((*echo).*value);
+  }
+}
+
 /// x y z intensity as float32, ring as uint16, time as float32.
 constexpr std::uint32_t kPointStep = 4 * 4 + 2 + 4;
 
@@ -110,18 +149,11 @@ Result<void> SensorLogWriter::spinner(const SpinnerAngle& angle, double rate_rad
 
 Result<void> SensorLogWriter::scan(double time_s, const ScanPattern& pattern, std::span<const float> range_m,
                                    std::span<const float> intensity) {
-  if (range_m.size() != pattern.beams || (!intensity.empty() && intensity.size() != pattern.beams)) {
-    return fail(ErrorCode::usage, kWhat, "scan", "ranges or intensities are not as many as the beams");
-  }
+  RAYFIELD_CHECK(check_sizes(pattern, range_m.size(), intensity.size()));
   Impl::Topic& topic = impl_->use(impl_->lidar, impl_->rig.lidar.topic, laser_scan_definition());
   ByteBuilder& out = impl_->message;
   put_ros_header(topic.seq, time_s, "lidar", out);
-  const double last = pattern.beams > 0 ? static_cast<double>(pattern.beams - 1) : 0.0;
-  for (const double value :
-       {pattern.angle_min_rad, pattern.angle_min_rad + last * pattern.angle_increment_rad, pattern.angle_increment_rad,
-        pattern.time_increment_s, pattern.scan_time_s, pattern.range_min_m, pattern.range_max_m}) {
-    out.put(static_cast<float>(value));
-  }
+  put_pattern(pattern, out);
   impl_->ranges.assign(range_m.begin(), range_m.end());
   const Rig::Lidar& lidar = impl_->rig.lidar;
   for (float& range : impl_->ranges) range = as_written(range, lidar.no_return, lidar.max_range_m);
@@ -130,13 +162,29 @@ Result<void> SensorLogWriter::scan(double time_s, const ScanPattern& pattern, st
   return impl_->write(topic, time_s);
 }
 
+Result<void> SensorLogWriter::multi_echo_scan(const ScanPattern& pattern, const LidarScan& scan) {
+  RAYFIELD_CHECK(check_sizes(pattern, scan.range_m.size(), scan.intensity.size()));
+  RAYFIELD_CHECK(check_later(scan));
+  Impl::Topic& topic = impl_->use(impl_->lidar, impl_->rig.lidar.topic, multi_echo_laser_scan_definition());
+  ByteBuilder& out = impl_->message;
+  put_ros_header(topic.seq, scan.time_s, "lidar", out);
+  put_pattern(pattern, out);
+  put_echoes(scan, scan.range_m, &LaterEcho::range_m, out);
+  if (scan.intensity.empty())
+    out.put(std::uint32_t{0});
+  else
+    put_echoes(scan, scan.intensity, &LaterEcho::intensity, out);
+  return impl_->write(topic, scan.time_s);
+}
+
 /// The layout of the points is fixed (kPointStep), whatever the scan holds: missing columns are written as zeros.
 Result<void> SensorLogWriter::points(const LidarScan& scan, std::span<const std::uint16_t> ring) {
-  const std::size_t count = scan.range_m.size();
-  if (scan.direction.size() != count || scan.time_offset_s.size() != count ||
-      (!scan.intensity.empty() && scan.intensity.size() != count) || (!ring.empty() && ring.size() != count)) {
+  const std::size_t shots = scan.range_m.size(), count = shots + scan.later.size();
+  if (scan.direction.size() != shots || scan.time_offset_s.size() != shots ||
+      (!scan.intensity.empty() && scan.intensity.size() != shots) || (!ring.empty() && ring.size() != shots)) {
     return fail(ErrorCode::usage, kWhat, "points", "the columns of the scan differ in length");
   }
+  RAYFIELD_CHECK(check_later(scan));
   if (count > (std::size_t{1} << 30) / kPointStep) return fail(ErrorCode::usage, kWhat, "points", "over 1 GiB");
   Impl::Topic& topic = impl_->use(impl_->lidar, impl_->rig.lidar.topic, point_cloud2_definition());
   ByteBuilder& out = impl_->message;
@@ -152,14 +200,17 @@ Result<void> SensorLogWriter::points(const LidarScan& scan, std::span<const std:
   out.put(std::uint8_t{0}), out.put(kPointStep), out.put(static_cast<std::uint32_t>(count * kPointStep));
   out.put(static_cast<std::uint32_t>(count * kPointStep));
   bool dense = true;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f point = written_point(scan.direction[i], scan.range_m[i], impl_->rig.lidar);
+  const auto put_point = [&](std::size_t shot, float range_m, float intensity) {
+    const Eigen::Vector3f point = written_point(scan.direction[shot], range_m, impl_->rig.lidar);
     dense = dense && point.allFinite();
     out.put(point.x()), out.put(point.y()), out.put(point.z());
-    out.put(scan.intensity.empty() ? 0.0F : scan.intensity[i]);
-    out.put(ring.empty() ? std::uint16_t{0} : ring[i]);
-    out.put(scan.time_offset_s[i]);
-  }
+    out.put(intensity);
+    out.put(ring.empty() ? std::uint16_t{0} : ring[shot]);
+    out.put(scan.time_offset_s[shot]);
+  };
+  for (std::size_t i = 0; i < shots; ++i)
+    put_point(i, scan.range_m[i], scan.intensity.empty() ? 0.0F : scan.intensity[i]);
+  for (const LaterEcho& later : scan.later) put_point(later.point, later.range_m, later.intensity);
   out.put(static_cast<std::uint8_t>(dense));
   return impl_->write(topic, scan.time_s);
 }

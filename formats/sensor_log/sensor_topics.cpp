@@ -49,7 +49,8 @@ bool serves(std::string_view type, SensorKind kind) {
     case SensorKind::lidar:
       break;
   }
-  return type == laser_scan_definition().type || type == point_cloud2_definition().type;
+  return type == laser_scan_definition().type || type == multi_echo_laser_scan_definition().type ||
+         type == point_cloud2_definition().type;
 }
 
 Result<void> check_sensor_topic(SensorKind kind, const BagConnection& connection, const std::string& path) {

@@ -27,7 +27,8 @@ double detectable_energy(const SiteLidar& lidar, double range_m) {
 }
 
 std::optional<Echo> beam_return(const SiteLidar& lidar, std::span<SubEcho> hits, double dither,
-                                const std::function<bool(const Echo&)>& lost) {
+                                const std::function<bool(const Echo&)>& lost, std::vector<Echo>* behind) {
+  const std::size_t wanted_behind = behind == nullptr ? 0 : static_cast<std::size_t>(lidar.echoes - 1);
   std::sort(hits.begin(), hits.end(), [](const SubEcho& a, const SubEcho& b) { return a.range_m < b.range_m; });
   std::optional<Echo> chosen;
   std::size_t end = 0;
@@ -38,8 +39,13 @@ std::optional<Echo> beam_return(const SiteLidar& lidar, std::span<SubEcho> hits,
     if (echo.energy + dither < detectable_energy(lidar, echo.range_m)) continue;
     begin = end - 1;
     if (lost(echo)) continue;
-    if (!chosen || lidar.returns == ReturnMode::last || echo.energy > chosen->energy) chosen = echo;
-    if (lidar.returns == ReturnMode::first) break;
+    if (chosen && wanted_behind > 0) {
+      const Echo& before = behind->empty() ? *chosen : behind->back();
+      if (echo.range_m > before.range_m + lidar.range_resolution_m) behind->push_back(echo);
+    } else if (!chosen || lidar.returns == ReturnMode::last || echo.energy > chosen->energy) {
+      chosen = echo;
+    }
+    if (lidar.returns == ReturnMode::first && (wanted_behind == 0 || behind->size() == wanted_behind)) break;
   }
   return chosen;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "rayfield/sim/random.h"
 #include "sim/drive/true_trajectory.h"
@@ -23,6 +24,26 @@ float received_intensity(const Echo& echo, double max_range, CounterRandom& rand
 
 double gain_of(const SiteLidar& lidar, CounterRandom& random) {
   return lidar.echo_scatter == 0 ? 1 : std::max(kWeakestGain, 1 + lidar.echo_scatter * random.normal());
+}
+
+float measured_range(const Echo& echo, const SiteLidar& lidar, CounterRandom& random) {
+  return static_cast<float>(echo.range_m + lidar.range_noise_m * random.normal());
+}
+
+// Where a beam has several echoes, what dust and drops send back, and false returns, are among them.
+std::optional<Echo> nearest_of(const std::optional<Echo>& seen, const std::optional<Echo>& surface,
+                               const SiteLidar& lidar, std::vector<Echo>& behind) {
+  if (!seen || !surface || seen->range_m == surface->range_m) return seen;
+  std::vector<Echo> all = {*seen, *surface};
+  all.insert(all.end(), behind.begin(), behind.end());
+  std::sort(all.begin(), all.end(), [](const Echo& a, const Echo& b) { return a.range_m < b.range_m; });
+  behind.clear();
+  double last_m = all.front().range_m;
+  for (const Echo& echo : std::span(all).subspan(1)) {
+    if (behind.size() + 1 == static_cast<std::size_t>(lidar.echoes)) break;
+    if (echo.range_m > last_m + lidar.range_resolution_m) behind.push_back(echo), last_m = echo.range_m;
+  }
+  return all.front();
 }
 
 bool any(const SiteDisturbance& d) { return d.dust_share > 0 || d.rain_per_m > 0 || d.spurious_share > 0; }
@@ -92,14 +113,16 @@ std::optional<Echo> Scanner::look_with_width(const Shot& shot, double t, std::ui
   };
   CounterRandom speckle(world_.date().seed, Stream::speckle, beam);
   const auto gain = [&] { return gain_of(site.lidar, speckle); };
-  return wide_beam_->receive(bundle.hits, gain, random.uniform() - 0.5, lost);
+  return wide_beam_->receive(bundle.hits, gain, random.uniform() - 0.5, lost, &bundle.behind);
 }
 
 std::optional<Echo> Scanner::look(const Shot& shot, double t, std::uint64_t beam, WideBeam::Bundle& bundle) const {
+  bundle.behind.clear();
   const std::optional<Echo> echo = wide_beam_ ? look_with_width(shot, t, beam, bundle) : look_along_line(shot, t, beam);
   if (!any(world_.site().disturbance)) return echo;
   CounterRandom random(world_.date().seed, Stream::disturbance, beam);
-  return disturbed(world_.site(), echo, random);
+  const std::optional<Echo> seen = disturbed(world_.site(), echo, random);
+  return world_.site().lidar.echoes > 1 ? nearest_of(seen, echo, world_.site().lidar, bundle.behind) : seen;
 }
 
 // One lidar message and its rays. Random numbers are drawn by the number of the beam, hits or not, so that no beam
@@ -121,12 +144,17 @@ void Scanner::render_scan(std::size_t index, bool want_rays, WideBeam::Bundle& b
     float range = std::numeric_limits<float>::infinity(), intensity = 0;
     if (hit) {
       CounterRandom random(world_.date().seed, Stream::lidar, beam);
-      range = static_cast<float>(hit->range_m + lidar.range_noise_m * random.normal());
+      range = measured_range(*hit, lidar, random);
       intensity = received_intensity(*hit, lidar.max_range_m, random);
       const bool dropped = random.uniform() < lidar.dropout_fraction;
       if (static_cast<double>(range) < lidar.min_range_m) range = -std::numeric_limits<float>::infinity();
       if (dropped) range = std::numeric_limits<float>::quiet_NaN();
-      if (!std::isfinite(range)) intensity = 0;
+      if (!std::isfinite(range)) bundle.behind.clear(), intensity = 0;
+      for (const Echo& later : bundle.behind) {
+        const float later_m = measured_range(later, lidar, random);
+        scan.later.push_back(
+            {static_cast<std::uint32_t>(i), later_m, received_intensity(later, lidar.max_range_m, random)});
+      }
     }
     scan.range_m.push_back(range), scan.intensity.push_back(intensity);
     ++out.counts.beams;

@@ -79,7 +79,8 @@ void WideBeam::aim(const Shot& shot, double turn_rad, Bundle& bundle) const {
 }
 
 std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, const std::function<double()>& gain,
-                                      double dither, const std::function<bool(const Echo&)>& lost) const {
+                                      double dither, const std::function<bool(const Echo&)>& lost,
+                                      std::vector<Echo>* behind) const {
   std::array<SubEcho, kMaxSubRays> met;
   std::size_t count = 0;
   const double share = 1 / static_cast<double>(disc_.size());
@@ -87,7 +88,7 @@ std::optional<Echo> WideBeam::receive(std::span<const SceneHit> hits, const std:
     if (std::isfinite(hit.range_m)) met[count++] = sub_echo(reflectance_, lidar_.detection, hit, share);
   const std::span<SubEcho> echoes(met.data(), count);
   if (lidar_.echo_scatter > 0) scatter(echoes, gain);
-  return beam_return(lidar_, echoes, share * dither, lost);
+  return beam_return(lidar_, echoes, share * dither, lost, behind);
 }
 
 }  // namespace rayfield::sim

@@ -34,13 +34,15 @@ class WideBeam {
   struct Bundle {
     std::vector<SceneRay> rays;
     std::vector<SceneHit> hits;  ///< one per ray
+    std::vector<Echo> behind;    ///< the return, of lidars that report several echoes
   };
   /// The sub-rays of a shot: they start on the disc of the exit, turned by `turn_rad`, and diverge from there.
   void aim(const Shot& shot, double turn_rad, Bundle& bundle) const;
-  /// The return of what the sub-rays met. `gain`: how much more than its surface says comes back, drawn for each
-  /// surface (what lies closer together along the beam than 2 cm). `dither`: −½ … ½ of a sub-ray (beam_return()).
+  /// The return of what the sub-rays met, and what follows it into `behind` (beam_return()). `gain`: how much more than
+  /// its surface says comes back, drawn for each surface (what lies closer together along the beam than 2 cm).
+  /// `dither`: −½ … ½ of a sub-ray (beam_return()).
   std::optional<Echo> receive(std::span<const SceneHit> hits, const std::function<double()>& gain, double dither,
-                              const std::function<bool(const Echo&)>& lost) const;
+                              const std::function<bool(const Echo&)>& lost, std::vector<Echo>* behind = nullptr) const;
 
  private:
   SiteLidar lidar_;

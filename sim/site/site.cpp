@@ -89,6 +89,8 @@ SiteFinding check_sensors(const Site& site) {
   if (site.lidar.max_range_m <= site.lidar.min_range_m) return {"lidar.max_range_m", "it does not exceed min_range_m"};
   if (site.lidar.divergence_z_mrad > 0 && site.lidar.divergence_mrad == 0)
     return {"lidar.divergence_z_mrad", "it needs divergence_mrad beside it"};
+  if (site.lidar.echoes > 1 && site.lidar.returns != ReturnMode::first)
+    return {"lidar.echoes", "several of them begin with the first: leave returns out"};
   if (site.spinning.time_increment_s * site.spinning.beams > 1 / site.spinning.rate_hz)
     return {"spinning.time_increment_s", "a scan takes longer than the time to the next"};
   if (site.multi_beam.elevation_max_deg < site.multi_beam.elevation_min_deg)

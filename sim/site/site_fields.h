@@ -34,7 +34,7 @@ inline constexpr Choices<LaneOrder, 3> kLaneOrders{
     {{"skip", LaneOrder::skip}, {"sequential", LaneOrder::sequential}, {"reverse", LaneOrder::reverse}}};
 
 /// A bundle of this many rays fits on the stack of the ray caster.
-inline constexpr int kMaxSubRays = 256;
+inline constexpr int kMaxSubRays = 256, kMaxEchoes = 8;
 
 /// What stands in the scene: terrain, rows, structure, canopy, surroundings.
 template <class V>
@@ -126,6 +126,7 @@ void visit_sensors(V& v, Site& s) {
   v.number("range_resolution_m", s.lidar.range_resolution_m, 0, 2);
   v.choice("detection", s.lidar.detection, kDetections);
   v.choice("returns", s.lidar.returns, kReturnModes);
+  v.integer("echoes", s.lidar.echoes, 1, kMaxEchoes);
   v.integer("sub_rays", s.lidar.sub_rays, 1, kMaxSubRays);
   v.leave();
   v.enter("reflectance");

@@ -57,9 +57,9 @@ class Damager : public SensorSink {
 
 }  // namespace
 
-SimulatedLog simulate_drive(const Folder& folder) {
-  const Outcome run =
-      rayfield({"simulate", small_site(folder, kLateDate), "-o", folder.path("drive"), "--no-rays", "-q"});
+SimulatedLog simulate_drive(const Folder& folder, const std::string& lidar) {
+  const std::string site = small_site(folder, (lidar.empty() ? "" : "[lidar]\n" + lidar + "\n") + kLateDate);
+  const Outcome run = rayfield({"simulate", site, "-o", folder.path("drive"), "--no-rays", "-q"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return {folder.path("drive/2021-07-01/scan.bag"), folder.path("drive/2021-07-01/rig.toml")};
 }

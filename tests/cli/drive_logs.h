@@ -14,7 +14,8 @@ namespace rayfield::test {
 struct SimulatedLog {
   std::string bag, rig;
 };
-SimulatedLog simulate_drive(const Folder& folder);
+/// `lidar`: keys of the site's [lidar].
+SimulatedLog simulate_drive(const Folder& folder, const std::string& lidar = {});
 
 /// What to do to each message of a log on its way into a damaged copy: change it, or return false to leave it out.
 /// `elapsed_s`: its stamp after the first of the log.

@@ -64,6 +64,8 @@ inline constexpr const char* kImuType = "sensor_msgs/Imu";
 inline constexpr const char* kImuMd5 = "6a62c6daae103f4ff57a132d6f95cec2";
 inline constexpr const char* kScanType = "sensor_msgs/LaserScan";
 inline constexpr const char* kScanMd5 = "90c7ef2dc6895d81024acba2ac42f369";
+inline constexpr const char* kMultiEchoType = "sensor_msgs/MultiEchoLaserScan";
+inline constexpr const char* kMultiEchoMd5 = "6fefb0c6da89d7c8abe4b339f5c2f8fb";
 inline constexpr const char* kCloudType = "sensor_msgs/PointCloud2";
 inline constexpr const char* kCloudMd5 = "1158d486dd51d683ce2f1be655c3c181";
 inline constexpr const char* kFixType = "sensor_msgs/NavSatFix";
@@ -111,6 +113,19 @@ inline std::string scan(std::uint32_t seconds, std::uint32_t nanoseconds, const 
   return header(seconds, nanoseconds) +
          floats({n.angle_min, last, n.angle_increment, n.time_increment, 0.01, n.range_min, n.range_max}) +
          u32(ranges.size()) + floats(ranges) + u32(intensities.size()) + floats(intensities);
+}
+using Echoes = std::vector<std::vector<double>>;  // of each beam
+inline std::string multi_echo_scan(std::uint32_t seconds, std::uint32_t nanoseconds, const ScanNumbers& n,
+                                   const Echoes& ranges, const Echoes& intensities = {}) {
+  const auto echoes = [](const Echoes& beams) {
+    std::string out = u32(beams.size());
+    for (const std::vector<double>& beam : beams) out += u32(beam.size()) + floats(beam);
+    return out;
+  };
+  const double last = n.angle_min + n.angle_increment * (static_cast<double>(ranges.size()) - 1);
+  return header(seconds, nanoseconds) +
+         floats({n.angle_min, last, n.angle_increment, n.time_increment, 0.01, n.range_min, n.range_max}) +
+         echoes(ranges) + echoes(intensities);
 }
 struct CloudField {
   std::string name;

@@ -188,6 +188,19 @@ Result<void> write_bag(const fs::path& path, formats::BagCompression compression
   return writer.close();
 }
 
+Result<void> write_multi_echo_bag(const fs::path& path) {
+  RAYFIELD_ASSIGN(auto writer, formats::SensorLogWriter::create(path.string(), rig_with_everything()));
+  LidarScan scan;
+  scan.range_m.assign(20, 4.5F), scan.intensity.assign(20, 90.0F);
+  scan.later = {{2, 5.5F, 30.0F}, {2, 7.0F, 20.0F}, {9, 5.0F, 40.0F}};
+  for (int i = 0; i < 4; ++i) {
+    scan.time_s = 1.5e9 + 0.01 * i;
+    RAYFIELD_CHECK(writer.imu({scan.time_s, {0, 0, 0.1}, {0, 0, 9.81}}));
+    RAYFIELD_CHECK(writer.multi_echo_scan({20, -1.5, 0.1, 1e-4, 0.025, 0.1, 30}, scan));
+  }
+  return writer.close();
+}
+
 // The first byte chooses the kind of file: fuzz_reference.cpp.
 void write_references(const fs::path& folder) {
   write_text(folder / "geojson", std::string(1, '\0') + R"({"type": "FeatureCollection", "features": [
@@ -279,6 +292,7 @@ int main(int argc, char** argv) {
   for (const auto compression : {BagCompression::none, BagCompression::bz2, BagCompression::lz4}) {
     if (written)
       written = write_bag(folder / "fuzz_rosbag" / std::to_string(static_cast<int>(compression)), compression);
+    if (written) written = write_multi_echo_bag(folder / "fuzz_rosbag" / "multi_echo");
   }
   if (!written) return std::fprintf(stderr, "%s\n", written.error().line().c_str()), 1;
   return 0;

@@ -36,5 +36,29 @@ TEST(SlamOutputs, TwoAtOnceOnOneCloudLeaveAWholeOne) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(work.path()), std::filesystem::directory_iterator()), 2);
 }
 
+// The rig says that the strongest echo is reported, which a log of several echoes knows better.
+TEST(SlamOutputs, ALogOfSeveralEchoesGivesTheCloudOfTheFirst) {
+  const std::string beam = "beam_diameter_m = 0.0136\ndivergence_mrad = 11.9\nsub_rays = 7\n";
+  const Folder one, several;
+  const SimulatedLog logs[] = {simulate_drive(one, beam), simulate_drive(several, beam + "echoes = 5")};
+  std::string rig = read_file(logs[1].rig);
+  const std::string first = "returns = \"first\"";
+  ASSERT_NE(rig.find(first), std::string::npos) << rig;
+  write_file(logs[1].rig, rig.replace(rig.find(first), first.size(), "returns = \"strongest\""));
+  std::string clouds[2];
+  for (int k = 0; k < 2; ++k) {
+    const std::string cloud = one.path("cloud" + std::to_string(k) + ".ply");
+    const Outcome run = rayfield({"slam", logs[k].bag, "--rig", logs[k].rig, "-o", cloud});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.err.find("several echoes of a beam: the first of each is taken") != std::string::npos, k == 1);
+    clouds[k] = read_file(cloud);
+  }
+  EXPECT_NE(clouds[1].find("returns first"), std::string::npos);
+  EXPECT_TRUE(clouds[0] == clouds[1]);
+  const Outcome info = rayfield({"info", logs[1].bag});
+  EXPECT_THAT(info.out, testing::HasSubstr("sensor_msgs/MultiEchoLaserScan"));
+  EXPECT_THAT(info.out, testing::HasSubstr("the log has several echoes of a beam"));
+}
+
 }  // namespace
 }  // namespace rayfield::test

@@ -175,6 +175,53 @@ TEST(SensorLogWriter, PointCloudsWithRingsKeepRaysWithoutAReturnUnderEveryConven
   }
 }
 
+// Of both kinds of message; what is read are the first echoes.
+TEST(SensorLogWriter, WritesSeveralEchoesOfABeam) {
+  LidarScan scan;
+  scan.time_s = 100;
+  scan.range_m = {5, INFINITY, 7, 9};
+  scan.intensity = {50, 0, 70, 90};
+  scan.later = {{0, 6, 60}, {0, 8, 80}, {3, 12, 20}};
+  for (const float angle : {-0.2F, -0.1F, 0.0F, 0.1F}) scan.direction.push_back({std::cos(angle), std::sin(angle), 0});
+  scan.time_offset_s = {0, 1e-3F, 2e-3F, 3e-3F};
+  for (const bool points : {false, true}) {
+    const TemporaryFile file("");
+    auto writer = SensorLogWriter::create(file.path(), Rig());
+    ASSERT_TRUE(writer);
+    ASSERT_TRUE(points ? writer->points(scan, std::vector<std::uint16_t>{0, 1, 2, 3})
+                       : writer->multi_echo_scan({4, -0.2, 0.1, 1e-3, 0.01, 0.1, 40}, scan));
+    ASSERT_TRUE(writer->close());
+    Collected got;
+    const auto report = read_log(file.path(), Rig(), got, LogOptions{.require_imu = false});
+    ASSERT_TRUE(report) << report.error().line();
+    EXPECT_EQ(report->points.later_echoes, 3U);
+    const LidarScan& read = got.scans.at(0);
+    const bool has_empty = !points;  // too few points to tell where a gap of a cloud points
+    ASSERT_EQ(read.range_m.size(), has_empty ? 4U : 3U);
+    EXPECT_NEAR(read.range_m[0], 5, 1e-6);
+    EXPECT_EQ(read.intensity[0], 50);
+    EXPECT_EQ(read.range_m[1], has_empty ? INFINITY : 7.0F);
+    EXPECT_NEAR(read.range_m.back(), 9, 1e-6);
+    EXPECT_EQ(read.intensity.back(), 90);
+    EXPECT_NEAR((read.direction.back() - scan.direction.back()).norm(), 0, 1e-6);
+  }
+}
+
+TEST(SensorLogWriter, RefusesLaterEchoesThatFollowNoReturnOrAreOutOfOrder) {
+  const TemporaryFile file("");
+  auto writer = SensorLogWriter::create(file.path(), Rig());
+  LidarScan scan;
+  scan.range_m = {5, INFINITY, 7}, scan.time_offset_s = {0, 0, 0};
+  scan.direction.assign(3, Eigen::Vector3f::UnitX());
+  using Later = std::vector<LaterEcho>;
+  for (const Later& later : {Later{{3, 8, 1}}, Later{{1, 8, 1}}, Later{{2, 8, 1}, {0, 6, 1}}}) {
+    scan.later = later;
+    EXPECT_EQ(writer->points(scan, {}).error().code, ErrorCode::usage);
+    EXPECT_EQ(writer->multi_echo_scan({3, -0.1, 0.1, 1e-3, 0.01, 0.1, 40}, scan).error().code, ErrorCode::usage);
+  }
+  EXPECT_EQ(writer->multi_echo_scan(five_beams(), scan).error().code, ErrorCode::usage);
+}
+
 TEST(SensorLogWriter, RefusesColumnsOfUnequalLengthAndSensorsThatTheRigLacks) {
   const TemporaryFile file("");
   auto writer = SensorLogWriter::create(file.path(), Rig());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace rayfield::sim {
@@ -55,6 +56,32 @@ TEST(Echoes, ModesChooseAmongEchoes) {
   EXPECT_DOUBLE_EQ(returned(lidar_with(0.2, 0.1, ReturnMode::strongest), hits)->range_m, 3);
   EXPECT_DOUBLE_EQ(returned(lidar_with(0.2, 0.1, ReturnMode::last), hits)->range_m, 4);
   EXPECT_DOUBLE_EQ(returned(lidar_with(0.28, 0.1, ReturnMode::last), hits)->range_m, 3);
+}
+
+TEST(Echoes, SeveralAreThoseFromTheFirstOnAsManyAsTheLidarReports) {
+  std::vector<SubEcho> hits = {{2.0, 0.2, 20}, {2.5, 0.05, 5}, {3.0, 0.3, 30}, {4.0, 0.25, 25}, {5.0, 0.2, 20}};
+  SiteLidar lidar = lidar_with(0.15, 0.1);
+  for (const int most : {1, 2, 3, 8}) {
+    lidar.echoes = most;
+    std::vector<Echo> behind;
+    const auto first = beam_return(lidar, hits, 0, kNoneLost, &behind);
+    ASSERT_TRUE(first);
+    EXPECT_DOUBLE_EQ(first->range_m, 2);           // as that of a lidar that reports nothing else
+    const std::vector<double> ranges = {3, 4, 5};  // the sliver at 2.5 m is too weak
+    ASSERT_EQ(behind.size(), std::min<std::size_t>(static_cast<std::size_t>(most) - 1, 3));
+    for (std::size_t k = 0; k < behind.size(); ++k) EXPECT_DOUBLE_EQ(behind[k].range_m, ranges[k]);
+  }
+}
+
+TEST(Echoes, WhatEndsWithinTheResolutionBehindAnEchoIsNoneOfItsOwn) {
+  // Stretches from 2.00 and from 2.15 on, whose means are 8 cm apart.
+  std::vector<SubEcho> hits = {{2.00, 0.1, 1}, {2.09, 0.2, 1}, {2.15, 0.3, 1}, {2.4, 0.3, 1}};
+  SiteLidar lidar = lidar_with(0.25, 0.1);
+  lidar.echoes = 5;
+  std::vector<Echo> behind;
+  EXPECT_NEAR(beam_return(lidar, hits, 0, kNoneLost, &behind)->range_m, 2.06, 1e-12);
+  ASSERT_EQ(behind.size(), 1U);
+  EXPECT_DOUBLE_EQ(behind[0].range_m, 2.4);
 }
 
 TEST(Echoes, AnEchoThatGetsLostLeavesTheNext) {

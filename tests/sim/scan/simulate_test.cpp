@@ -63,6 +63,37 @@ TEST(Simulate, RaysAreTheMessagesPlacedWithTheTruePoses) {
   EXPECT_EQ(found, expected.size());
 }
 
+TEST(Simulate, LaterEchoesLeaveAllElseAsItIs) {
+  for (const bool disturbed : {false, true}) {
+    Site site = small_site();
+    site.lidar.beam_diameter_m = 0.0136, site.lidar.divergence_mrad = 11.9;
+    site.spinning.beams = 60;
+    if (disturbed) site.disturbance.rain_per_m = 0.01;
+    const RecordedDrive one(site);
+    site.lidar.echoes = 3;
+    const RecordedDrive three(site);
+    EXPECT_EQ(three.rays.end.size(), one.rays.end.size());
+    EXPECT_TRUE(three.rays.end == one.rays.end);
+    EXPECT_TRUE(three.rays.intensity == one.rays.intensity);
+    ASSERT_EQ(three.scans.size(), one.scans.size());
+    std::size_t later = 0;
+    for (std::size_t k = 0; k < one.scans.size(); ++k) {
+      const LidarScan& scan = three.scans[k];
+      EXPECT_TRUE(scan.intensity == one.scans[k].intensity);
+      EXPECT_TRUE(one.scans[k].later.empty());
+      later += scan.later.size();
+      std::uint32_t last = 0;
+      for (const LaterEcho& echo : scan.later) {
+        EXPECT_GE(echo.point, last);
+        EXPECT_GT(echo.range_m, scan.range_m[echo.point]);
+        EXPECT_GT(echo.intensity, 0);
+        last = echo.point;
+      }
+    }
+    EXPECT_GT(later, three.summary.hits / 100);
+  }
+}
+
 TEST(Simulate, ShotsWithoutAReturnBecomeUpwardRaysOfMaximumRange) {
   const RecordedDrive record(small_site());
   const double scale = take(MapFrame::create("EPSG:7854")).scale_factor(record.rays.origin[0]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -30,6 +31,13 @@ struct SpinnerAngle {
   double angle_rad = 0;
 };
 
+/// An echo of a beam behind its first one.
+struct LaterEcho {
+  std::uint32_t point = 0;  ///< of the LidarScan: the beam's first echo
+  float range_m = 0;
+  float intensity = 0;
+};
+
 /// One message of a lidar as points in the lidar frame, each with its own time. Range values follow REP 117 after the
 /// reader has applied the rig's convention: +inf nothing within range, -inf too close, NaN invalid.
 struct LidarScan {
@@ -38,6 +46,9 @@ struct LidarScan {
   std::vector<float> range_m;
   std::vector<float> time_offset_s;  ///< from time_s
   std::vector<float> intensity;      ///< empty where the log has none
+  /// Of lidars that report several echoes of a beam: those behind the first, by point and range. Simulated drives have
+  /// them and logs are written with them; what is read from a log has the first echoes alone.
+  std::vector<LaterEcho> later;
 };
 
 /// Receives the messages of a log, in the order of the log.

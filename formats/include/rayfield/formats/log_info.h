@@ -31,10 +31,11 @@ struct TopicInfo {
   bool raw_packets = false;       ///< a sensor's own packets, which have to be decoded first
 };
 
-/// What a lidar's ranges look like, over all LaserScans or every tenth PointCloud2.
+/// What a lidar's ranges look like, over all LaserScans and MultiEchoLaserScans or every tenth PointCloud2.
 struct LidarInfo {
   std::string topic;
-  std::uint64_t points = 0;  ///< looked at
+  std::uint64_t points = 0;          ///< looked at
+  std::uint64_t several_echoes = 0;  ///< beams of MultiEchoLaserScans with more than one; each echo is a point
   std::uint64_t nan = 0, infinite = 0, zero = 0;
   double smallest_m = 0, largest_m = 0;  ///< of the finite ranges above 0
   std::uint64_t at_largest = 0;          ///< points within 0.01 % of largest_m

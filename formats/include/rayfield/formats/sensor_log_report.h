@@ -46,6 +46,7 @@ struct LidarPointCounts {
   std::uint64_t invalid = 0;            ///< NaN, negative, or a time outside the scan
   std::uint64_t restored = 0;           ///< of no_returns: points of a cloud whose direction followed from the others
   std::uint64_t without_direction = 0;  ///< points at the origin of a cloud: left out
+  std::uint64_t later_echoes = 0;       ///< behind the first of their beams: left out, and not among the points
   std::uint64_t zeros = 0;              ///< ranges written as exactly 0, whatever they count as
 };
 

@@ -131,6 +131,7 @@ struct SiteLidar {
   double detection_range_exponent = 0;  ///< that share grows with (range / 5 m) to this power
   double range_resolution_m = 0.15;     ///< surfaces closer behind each other make one echo
   ReturnMode returns = ReturnMode::first;
+  int echoes = 1;     ///< of a beam that the log holds at most, from the first on; several only with `returns` first
   int sub_rays = 37;  ///< per beam that has a width; 1: the beam is a line
 
   /// Whether the beam has a width; else it is a line.
