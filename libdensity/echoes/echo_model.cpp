@@ -15,7 +15,12 @@ namespace {
 
 constexpr std::uint64_t kEnoughEchoes = 5000, kEnoughOfWood = 1000;
 constexpr std::size_t kEnoughFull = 10;
-constexpr double kLeastLeafiness = 6, kLeastWhereUnlikely = 8, kLeastWhereLikely = 3;
+// Leafiness from which on leaves are seen: where nothing ends behind hits, less for each end per metre there, up to as
+// many as leaves make at least; and of that where the month, or the user, says that leaves are unlikely or likely.
+// Where too few beams pass hits to tell, the ends that make it six.
+constexpr double kLeastLeafiness = 8, kLessPerEndBehind = 9, kEndsBehindOfLeaves = 0.45;
+constexpr double kEndsBehindNotKnown = (kLeastLeafiness - 6) / kLessPerEndBehind;
+constexpr double kWhereUnlikely = 4.0 / 3, kWhereLikely = 0.5;
 constexpr double kLeastOverWood = 0.55;  // of a full echo over that of wood: weaker ones are of canes
 constexpr double kWoodInFullEcho = 0.5;  // relative error of the full echo, times leafiness: canes' echoes are weak
 constexpr double kFullError = 0.04;      // relative, of the full echo from full echoes, beside what they tell of it
@@ -28,12 +33,19 @@ constexpr double kLackingError = 0.5;    // and of what they lack, as a share of
 constexpr double kAboveMean = 0.47, kApartAboveMean = 0.04, kWidthAboveMean = 0.71, kFadesPerLeaf = 0.75;
 constexpr double kAngleAboveMean = -0.05;
 constexpr double kWeakestAboveMean = -0.54;
-struct StrengthOverMean {
-  double share, above_mean;
+struct OfStrength {
+  double share, per_unit;
 };
-constexpr std::array<StrengthOverMean, 3> kStrengths{{{0.2, -0.43}, {0.4, -1.02}, {0.9, -1.24}}};
+constexpr std::array<OfStrength, 3> kStrengths{{{0.2, -0.43}, {0.4, -1.02}, {0.9, -1.24}}};
 constexpr double kLeastAboveMean = 0, kMostAboveMean = 0.7;  // 0.06 to 0.52 on simulated scans
 constexpr double kMeanEchoError = 0.04, kWoodInMeanEcho = 0.7;
+// ln of a full echo over the strength that 98 % of the echoes do not reach, which pieces of canes do not change:
+// without anything else, for each unit of ln of the strengths that 90 and 80 % do not reach over that, for how it goes
+// with the angle of incidence, and for each side of a leaf that beams are wide. The mean echo stands for no less than
+// so much of it.
+constexpr double kBrightShare = 0.98, kAboveBright = -0.112, kBrightSlope = -0.16, kBrightWidth = 0.235;
+constexpr std::array<OfStrength, 2> kBelowBright{{{0.9, 4.235}, {0.8, -1.748}}};
+constexpr double kLeastOfBright = 0.9;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
 constexpr double kLackingResolutionM = 0.15, kLackingShare = 0.3;  // b = 0 and t = 0; falls with either
 constexpr double kMostLacking = 0.3;
@@ -124,17 +136,19 @@ double leafiness_of(const EchoStatistics& statistics) {
 }
 
 bool shows_leaves(const EchoStatistics& statistics, Foliage foliage) {
+  const double behind = ends_per_metre_behind(statistics.pairs_from(0), kEndsBehindNotKnown);
+  const double least = kLeastLeafiness - kLessPerEndBehind * std::min(kEndsBehindOfLeaves, behind);
   switch (foliage) {
     case Foliage::none:
       return false;
     case Foliage::unlikely:
-      return leafiness_of(statistics) >= kLeastWhereUnlikely;
+      return leafiness_of(statistics) >= kWhereUnlikely * least;
     case Foliage::likely:
-      return leafiness_of(statistics) >= kLeastWhereLikely;
+      return leafiness_of(statistics) >= kWhereLikely * least;
     case Foliage::unknown:
       break;
   }
-  return leafiness_of(statistics) >= kLeastLeafiness;
+  return leafiness_of(statistics) >= least;
 }
 
 double widths_of_leaf(const EchoModel& model) {
@@ -168,6 +182,15 @@ double width_above_mean(const EchoModel& model) {
   return apart * (kApartAboveMean + kWidthAboveMean * widths_of_leaf(model));
 }
 
+/// What the brightest echoes say of a full one, where leaves are so few that most echoes are of pieces of canes.
+double from_bright_echoes(const EchoStatistics& statistics, const FullEchoStrength& full, const EchoModel& model) {
+  const double bright = std::max(1.0, strength_quantile(statistics.histogram(), kBrightShare));
+  double above = kAboveBright + kBrightSlope * full.slope + kBrightWidth * widths_of_leaf(model);
+  for (const auto& [share, per_unit] : kBelowBright)
+    above += per_unit * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / bright);
+  return bright * std::exp(above);
+}
+
 /// The full echo that the mean of all echoes stands for (docs/beams.md, "How it is taken out"): how strengths are
 /// spread about it tells how many are of pieces.
 Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const FullEchoStrength& full,
@@ -175,10 +198,11 @@ Strength from_mean_echo(const EchoStatistics& statistics, double weakest, const 
   const double mean = sum_of(statistics.all()).mean(), wood = 1 / leafiness_of(statistics);
   double above =
       kAboveMean + width_above_mean(model) + kAngleAboveMean * full.slope + kWeakestAboveMean * weakest / mean;
-  for (const auto& [share, above_mean] : kStrengths)
-    above += above_mean * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / mean);
+  for (const auto& [share, per_unit] : kStrengths)
+    above += per_unit * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / mean);
   const double error = std::hypot(kMeanEchoError, kAngleAboveMean * full.slope_error, kWoodInMeanEcho * wood);
-  return {mean * std::exp(std::clamp(above, kLeastAboveMean, kMostAboveMean)), error};
+  const double by_mean = mean * std::exp(std::clamp(above, kLeastAboveMean, kMostAboveMean));
+  return {std::max(by_mean, kLeastOfBright * from_bright_echoes(statistics, full, model)), error};
 }
 
 /// How differently bright the leaves are: as full echoes say, where there are enough, less what edges cut off those.

@@ -77,10 +77,11 @@ bool sends_one_beam(const EchoStatistics& statistics);
 
 /// Nothing where the echoes do not tell: too few (5000 of leaves, 1000 of bare vines), or all of one intensity.
 ///
-/// Of bare vines, and where fewer than six echoes are to one of a beam that falls wholly on a post or trunk (eight
-/// where leaves are unlikely, three where they are likely), or the full echo comes out below 0.55 of that of posts and
-/// trunks, so that canes make it, unless leaves are likely: wood_echoes(), with EchoModel::wood_returned, or nothing
-/// where too few beams fell on posts and trunks. Else:
+/// Of bare vines, and where fewer than 8 − 9·min(0.45, e) echoes are to one of a beam that falls wholly on a post or
+/// trunk, e the ends per metre of rays that pass a hit and end 5 to 15 cm behind it (four thirds of that many where
+/// leaves are unlikely, half where they are likely; six, where too few pass hits to tell e), or the full echo comes out
+/// below 0.55 of that of posts and trunks, so that canes make it, unless leaves are likely: wood_echoes(), with
+/// EchoModel::wood_returned, or nothing where too few beams fell on posts and trunks. Else:
 ///
 /// Full echo: two estimates weighted by their errors. One is of beams that fell wholly on a leaf
 /// (full_echo_strength()), where there are ten of them, over what they lack: 1.8·(D/s)^2.5·exp(−b/0.15 m − t/0.3), D
@@ -88,9 +89,10 @@ bool sends_one_beam(const EchoStatistics& statistics);
 /// other is the mean echo times exp(0.47 + (0.04 + 0.71·D/s)·exp(−0.75·n) − 0.05·slope − 0.54·I₂/mean −
 /// 0.43·ln(I₂₀/mean) − 1.02·ln(I₄₀/mean) − 1.24·ln(I₉₀/mean)), the exponent kept between 0 and 0.7, n how many leaves
 /// stand in a range resolution (b times ends_per_metre_behind()), the slope FullEchoStrength::slope, I_p the strength
-/// that p % of the echoes do not reach; 4 % off, and 0.7 over the echoes for each of a beam that falls wholly on a
-/// post. Detection share: the weakest over 1.03 full echoes. What beams without an echo have met:
-/// unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
+/// that p % of the echoes do not reach, and at least 0.9 of what the bright ones say, which pieces of canes do not
+/// change: I₉₈·exp(−0.112 + 4.235·ln(I₉₀/I₉₈) − 1.748·ln(I₈₀/I₉₈) − 0.16·slope + 0.235·D/s); 4 % off, and 0.7 over the
+/// echoes for each of a beam that falls wholly on a post. Detection share: the weakest over 1.03 full echoes. What
+/// beams without an echo have met: unreturned_per_lost(), with the angle dependence and scatter of the full echoes.
 ///
 /// Leaves: estimate_leaf_size() of pairs. Their side looks larger the wider the beams are, and smaller the coarser the
 /// range resolution is, since echoes of one leaf lie apart where other leaves behind it are in some of them: by

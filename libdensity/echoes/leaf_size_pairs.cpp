@@ -40,8 +40,7 @@ void LeafSizePairs::add(double distance_m, double delta_m, bool hit, LeafSizePai
   ++echoes.ends[i][static_cast<std::size_t>(depth)];
 }
 
-double ends_per_metre_behind(const LeafSizePairs& pairs) {
-  constexpr double kUsual = 2.5;
+double ends_per_metre_behind(const LeafSizePairs& pairs, double otherwise) {
   constexpr std::size_t kNear = 8;  // steps of distance
   constexpr int kFrom = LeafSizePairs::kDepths / 2 + 5, kTo = LeafSizePairs::kDepths / 2 + 15;
   constexpr std::uint64_t kLeast = 200;
@@ -50,7 +49,7 @@ double ends_per_metre_behind(const LeafSizePairs& pairs) {
     past += pairs.beyond[i] + sum_of(pairs.rays[i], kFrom, LeafSizePairs::kDepths);
     ends += sum_of(pairs.rays[i], kFrom, kTo);
   }
-  if (past < kLeast) return kUsual;
+  if (past < kLeast) return otherwise;
   return static_cast<double>(ends) / static_cast<double>(past) / ((kTo - kFrom) * LeafSizePairs::kDepthStepM);
 }
 

@@ -47,8 +47,8 @@ struct PairCounts {
 inline constexpr PairWindows kUsualWindows;
 
 /// How dense leaves stand around leaves: of rays that pass within 4 cm of a hit and go on for 5 cm behind it, how many
-/// end in the 10 cm from there on, per metre. That of 2.5 per metre where there are fewer than 200.
-double ends_per_metre_behind(const LeafSizePairs& pairs);
+/// end in the 10 cm from there on, per metre. `otherwise`, what is usual of leaves, where there are fewer than 200.
+double ends_per_metre_behind(const LeafSizePairs& pairs, double otherwise = 2.5);
 
 PairCounts counts_of(const LeafSizePairs& pairs, double window_m);
 

@@ -101,6 +101,21 @@ TEST(EchoModel, NoSpreadOfStrengthsPutsAFullEchoFarAboveTheMean) {
   EXPECT_GE(full_over_mean(0.999), 1 - 1e-3);
 }
 
+// Seven of ten echoes hold a sixth to a third of a leaf's: by the mean a full echo would be 0.7 of it.
+TEST(EchoModel, WhereMostEchoesAreOfPiecesOfCanesBrightOnesTellAFullEcho) {
+  EchoStatistics statistics = whole_leaves(0.025, 0.5, 9000);
+  for (int i = 0; i < 21000; ++i)
+    statistics.add_echo(static_cast<std::uint16_t>(kFull / 2 * (0.15 + 0.15 * i / 21000)), 0.025);
+  add_close_pairs(statistics);
+  add_ends_behind(statistics, 750);
+  // Of the bright tenths what 0.7 … 1.3 have.
+  const double i98 = strength(1 - 0.02 / 0.3), i90 = strength(1 - 0.1 / 0.3), i80 = strength(1 - 0.2 / 0.3);
+  const double bright = i98 * std::exp(-0.112 + 4.235 * std::log(i90 / i98) - 1.748 * std::log(i80 / i98) -
+                                       0.16 * 0.35 + 0.235 * 0.025 / 0.08);
+  EXPECT_NEAR(bright, 1.16, 0.01);
+  EXPECT_NEAR(estimate_echo_model(statistics, lidar(0.025))->full_echo, 0.9 * bright * kFull / 2, 0.01 * kFull / 2);
+}
+
 TEST(EchoModel, FullEchoesAndTheMeanEchoCountByTheirErrors) {
   EchoStatistics statistics = whole_leaves(0.025, 0.5);
   add_close_pairs(statistics);
@@ -279,15 +294,33 @@ TEST(EchoModel, BareVinesWithoutPostsTellNothing) {
   EXPECT_FALSE(estimate_echo_model(few, lidar(0.03)).has_value());
 }
 
+/// Whether 6000 echoes beside so many of posts are taken for those of bare vines. `ends`: of rays that pass a hit and
+/// end behind it (add_ends_behind()); negative: no ray passes any.
+bool is_bare(int posts, Foliage foliage, int ends = -1) {
+  EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
+  add_posts(statistics, posts);
+  if (ends >= 0) add_close_pairs(statistics);
+  if (ends > 0) add_ends_behind(statistics, ends);
+  EchoKnowledge known = lidar(0.03);
+  known.foliage = foliage;
+  return estimate_echo_model(statistics, known)->wood_returned.has_value();
+}
+
+// Canes stand by themselves, leaves before leaves.
+TEST(EchoModel, FewEchoesBesideThoseOfPostsAreOfLeavesWhereMoreEndsBehindThem) {
+  EXPECT_TRUE(is_bare(800, Foliage::unknown, 0));     // 7.5 to one, nothing behind them
+  EXPECT_FALSE(is_bare(740, Foliage::unknown, 0));    // 8.1 to one
+  EXPECT_FALSE(is_bare(1450, Foliage::unknown, 80));  // 4.1 to one, 0.5 ends per metre
+  EXPECT_TRUE(is_bare(1550, Foliage::unknown, 80));   // 3.9 to one
+  EXPECT_TRUE(is_bare(1550, Foliage::unknown, 800));  // however many end there
+  EXPECT_TRUE(is_bare(960, Foliage::unknown, 28));    // 6.3 to one, 0.18
+  EXPECT_FALSE(is_bare(960, Foliage::unknown, 36));   // 0.23
+  EXPECT_TRUE(is_bare(1450, Foliage::unlikely, 80));
+  EXPECT_FALSE(is_bare(1550, Foliage::likely, 80));
+}
+
 // What is leaf and what cane is asked of the month where echoes do not say it clearly.
 TEST(EchoModel, FewEchoesBesideThoseOfPostsAreOfLeavesWhereLeavesAreLikely) {
-  const auto is_bare = [](int posts, Foliage foliage) {
-    EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
-    add_posts(statistics, posts);
-    EchoKnowledge known = lidar(0.03);
-    known.foliage = foliage;
-    return estimate_echo_model(statistics, known)->wood_returned.has_value();
-  };
   EXPECT_FALSE(is_bare(1200, Foliage::likely));  // five to one
   EXPECT_TRUE(is_bare(1200, Foliage::unknown));
   EXPECT_TRUE(is_bare(3000, Foliage::likely));   // two to one
