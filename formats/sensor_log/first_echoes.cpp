@@ -16,8 +16,8 @@ constexpr double kMaxRangeShare = 1.0 - 1e-4;
 constexpr float kSameEcho_m = 0.01F;
 /// Beams at one time are further apart (half of 0.1° and more), and coordinates in millimetres round less.
 constexpr float kSameBeam_rad = 0.8e-3F;
-/// No lidar reports more echoes of a beam.
-constexpr std::size_t kMostEchoes = 16;
+/// No lidar reports more echoes of a beam, or sends more beams at a time at one height.
+constexpr std::size_t kMostEchoes = 16, kMostBeside = 256;
 
 /// Whether a ring has two points of one time. Within a ring points come in the order of time but for those.
 bool any_time_twice(const std::vector<CloudPoint>& points) {
@@ -34,7 +34,8 @@ bool any_time_twice(const std::vector<CloudPoint>& points) {
 /// Of a point: open until its beam is known.
 enum class Fate : std::uint8_t { open, kept, dropped };
 
-/// Points of one ring and time, by number, those without a place last and the others by the z of their directions.
+/// Points of one ring and time, by number, those without a place last and the others by the z of their directions, then
+/// by x.
 class SameTime {
  public:
   SameTime(const std::vector<CloudPoint>& points, const Rig::Lidar& lidar, std::vector<Fate>& fates)
@@ -62,7 +63,7 @@ class SameTime {
     std::array<std::size_t, kMostEchoes> echoes{};
     std::array<float, kMostEchoes> range_m{};
     std::size_t count = 0;
-    for (const std::size_t i : from) {
+    for (const std::size_t i : from.first(std::min(from.size(), kMostBeside))) {
       if (count == kMostEchoes || points_[i].direction.z() > points_[from[0]].direction.z() + kSameBeam_rad) break;
       if (fates_[i] == Fate::open && same_beam(from[0], i)) echoes[count] = i, range_m[count++] = points_[i].range_m;
     }
@@ -119,14 +120,14 @@ std::uint64_t keep_first_echoes(std::vector<CloudPoint>& points, bool has_rings,
   struct Key {
     std::uint16_t ring;
     bool gap;
-    float time_s, z;
+    float time_s, z, x;
     std::uint32_t number;
-    auto tied() const { return std::tie(ring, time_s, gap, z, number); }
+    auto tied() const { return std::tie(ring, time_s, gap, z, x, number); }
   };
   std::vector<Key> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CloudPoint& p = points[i];
-    keys[i] = {p.ring, !p.placed(), p.time_offset_s, p.direction.z(), static_cast<std::uint32_t>(i)};
+    keys[i] = {p.ring, !p.placed(), p.time_offset_s, p.direction.z(), p.direction.x(), static_cast<std::uint32_t>(i)};
   }
   std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) { return a.tied() < b.tied(); });
   std::vector<std::size_t> order;

@@ -43,7 +43,7 @@ constexpr double kMeanEchoError = 0.04, kWoodInMeanEcho = 0.7;
 // without anything else, for each unit of ln of the strengths that 90 and 80 % do not reach over that, for how it goes
 // with the angle of incidence, and for each side of a leaf that beams are wide. The mean echo stands for no less than
 // so much of it.
-constexpr double kBrightShare = 0.98, kAboveBright = -0.112, kBrightSlope = -0.16, kBrightWidth = 0.235;
+constexpr double kBrightEchoes = 0.98, kAboveBright = -0.112, kBrightSlope = -0.16, kBrightWidth = 0.235;
 constexpr std::array<OfStrength, 2> kBelowBright{{{0.9, 4.235}, {0.8, -1.748}}};
 constexpr double kLeastOfBright = 0.9;
 constexpr double kLacking = 1.8, kLackingPower = 2.5;  // of full echoes, by the beam's width over a leaf's side, at
@@ -184,7 +184,7 @@ double width_above_mean(const EchoModel& model) {
 
 /// What the brightest echoes say of a full one, where leaves are so few that most echoes are of pieces of canes.
 double from_bright_echoes(const EchoStatistics& statistics, const FullEchoStrength& full, const EchoModel& model) {
-  const double bright = std::max(1.0, strength_quantile(statistics.histogram(), kBrightShare));
+  const double bright = std::max(1.0, strength_quantile(statistics.histogram(), kBrightEchoes));
   double above = kAboveBright + kBrightSlope * full.slope + kBrightWidth * widths_of_leaf(model);
   for (const auto& [share, per_unit] : kBelowBright)
     above += per_unit * std::log(std::max(1.0, strength_quantile(statistics.histogram(), share)) / bright);

@@ -101,6 +101,21 @@ TEST(KeepFirstEchoes, BeamsBesideEachOtherStay) {
   EXPECT_EQ(ranges_of(points), before);
 }
 
+// As of a scanner in a plane whose driver gives all points of a sweep one time.
+TEST(KeepFirstEchoes, OfOneTimeInOnePlane) {
+  std::vector<CloudPoint> points;
+  constexpr int kBeams = 5000;  // 1.3 mrad apart
+  for (const float behind_m : {0.0F, 3.0F})
+    for (int i = 0; i < kBeams; ++i) {
+      const double azimuth = 2 * M_PI * (i * 7919 % kBeams) / kBeams;
+      const Eigen::Vector3f direction(static_cast<float>(std::cos(azimuth)), static_cast<float>(std::sin(azimuth)), 0);
+      if (behind_m == 0 || i % 2 == 0) points.push_back(point(0, 0, direction, 5 + behind_m));
+    }
+  EXPECT_EQ(keep_first_echoes(points, false, lidar_of()), kBeams / 2U);
+  EXPECT_EQ(points.size(), std::size_t{kBeams});
+  for (const CloudPoint& p : points) EXPECT_EQ(p.range_m, 5);
+}
+
 // Places in whole millimetres, in an order that says nothing.
 TEST(KeepFirstEchoes, OfShuffledPointsWithoutRings) {
   std::mt19937 random(3);
