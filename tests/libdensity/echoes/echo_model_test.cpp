@@ -7,47 +7,16 @@
 #include <vector>
 
 #include "libdensity/echoes/wood_echoes.h"
+#include "tests/libdensity/echoes/leaf_echoes.h"
 
 namespace rayfield::density {
 namespace {
-
-constexpr EchoStatistics::OnStem kOnPost{.of_trunk = false, .is_full = true};
-
-constexpr double kFull = 3000;
-
-/// Echoes of beams `width_m` wide from leaves that are differently bright, each whole; pairs that tell no size.
-EchoStatistics whole_leaves(double width_m, double share, int count = 20000) {
-  EchoStatistics statistics;
-  std::mt19937_64 rng(4);
-  std::uniform_real_distribution<double> bright(0.7, 1.3);
-  for (int i = 0; i < count; ++i)
-    statistics.add_echo(static_cast<std::uint16_t>(std::lround(kFull * share * bright(rng))), width_m);
-  return statistics;
-}
-
-EchoKnowledge lidar(double width_m) { return {LidarBeam{width_m, 0, {}}, 0.15, 0, 0.0064}; }
 
 TEST(EchoModel, SaysHowEchoesVaryAndHowWideBeamsAre) {
   const auto model = estimate_echo_model(whole_leaves(0.001, 1), lidar(0.001));
   ASSERT_TRUE(model.has_value());
   EXPECT_NEAR(model->echo_variation, 0.03, 0.002);  // of 0.7 … 1.3, evenly
   EXPECT_NEAR(model->mean_width_m, 0.001, 1e-9);
-}
-
-/// Pairs of neighbouring beams 1 to 4 cm apart, most on one leaf.
-void add_close_pairs(EchoStatistics& statistics) {
-  const auto strong = static_cast<std::uint16_t>(kFull);
-  for (int i = 0; i < 6000; ++i)
-    statistics.add_pair(strong, strong, 0.012 + 0.005 * (i % 5), i % 4 == 0 ? 0.2 : 0, true),
-        statistics.add_same_beam_beside();
-}
-
-/// Of the rays of add_close_pairs() 1500 go on within 4 cm of a hit; with `ends` more of which each ends 10 cm
-/// behind it there are so many ends per metre behind hits.
-double add_ends_behind(EchoStatistics& statistics, int ends) {
-  const auto strong = static_cast<std::uint16_t>(kFull);
-  for (int i = 0; i < ends; ++i) statistics.add_pair(strong, strong, 0.01, 0.1, true);
-  return ends / (1500.0 + ends) / 0.1;
 }
 
 /// Of whole_leaves(), over their mean, the strength that a share of them does not reach, of 0.7 … 1.3, evenly.
@@ -251,92 +220,6 @@ TEST(EchoModel, LidarsWithOneBeamAreToldByThePreviousBeam) {
   EXPECT_FALSE(sends_one_beam(statistics));
   add_close_pairs(statistics);
   EXPECT_TRUE(sends_one_beam(statistics));
-}
-
-void add_posts(EchoStatistics& statistics, int echoes) {
-  for (int i = 0; i < echoes; ++i) statistics.add_stem_echo(static_cast<std::uint16_t>(kFull), kOnPost);
-}
-
-TEST(EchoModel, WhereMostIsWoodPostsTellAFullEcho) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.8);
-  add_posts(statistics, 2000);
-  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);
-  add_posts(statistics, 2000);
-  const auto model = estimate_echo_model(statistics, lidar(0.03));
-  ASSERT_TRUE(model && model->wood_returned);
-  EXPECT_NEAR(model->full_echo, kFull, 1e-9);
-  EXPECT_NEAR(model->detection_share, 0.8 * 0.712 / 1.03, 0.003);  // 2 % of 0.7 … 1.3 are below 0.712
-  EXPECT_EQ(model->lost_share, 0);
-}
-
-// A block with few posts: canes are as many to each echo of a post as leaves are elsewhere, but a third as strong as
-// posts.
-TEST(EchoModel, EchoesFarBelowThoseOfPostsAreOfCanes) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.3);
-  add_posts(statistics, 500);
-  EXPECT_TRUE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);
-  EchoKnowledge known = lidar(0.03);
-  known.full_echo = 0.4 * kFull;
-  EXPECT_FALSE(estimate_echo_model(statistics, known)->wood_returned);  // told
-}
-
-TEST(EchoModel, BareVinesWithoutPostsTellNothing) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
-  add_posts(statistics, 199);
-  EXPECT_FALSE(estimate_echo_model(statistics, lidar(0.03))->wood_returned);  // 30 to one: leaves
-  EchoKnowledge known = lidar(0.03);
-  known.foliage = Foliage::none;
-  EXPECT_FALSE(estimate_echo_model(statistics, known).has_value());
-  add_posts(statistics, 1);
-  EXPECT_TRUE(estimate_echo_model(statistics, known)->wood_returned);
-  EchoStatistics few = whole_leaves(0.03, 0.8, 1000);
-  add_posts(few, 199);
-  EXPECT_FALSE(estimate_echo_model(few, lidar(0.03)).has_value());
-}
-
-/// Whether 6000 echoes beside so many of posts are taken for those of bare vines. `ends`: of rays that pass a hit and
-/// end behind it (add_ends_behind()); negative: no ray passes any.
-bool is_bare(int posts, Foliage foliage, int ends = -1) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.8, 6000);
-  add_posts(statistics, posts);
-  if (ends >= 0) add_close_pairs(statistics);
-  if (ends > 0) add_ends_behind(statistics, ends);
-  EchoKnowledge known = lidar(0.03);
-  known.foliage = foliage;
-  return estimate_echo_model(statistics, known)->wood_returned.has_value();
-}
-
-// Canes stand by themselves, leaves before leaves.
-TEST(EchoModel, FewEchoesBesideThoseOfPostsAreOfLeavesWhereMoreEndsBehindThem) {
-  EXPECT_TRUE(is_bare(800, Foliage::unknown, 0));     // 7.5 to one, nothing behind them
-  EXPECT_FALSE(is_bare(740, Foliage::unknown, 0));    // 8.1 to one
-  EXPECT_FALSE(is_bare(1450, Foliage::unknown, 80));  // 4.1 to one, 0.5 ends per metre
-  EXPECT_TRUE(is_bare(1550, Foliage::unknown, 80));   // 3.9 to one
-  EXPECT_TRUE(is_bare(1550, Foliage::unknown, 800));  // however many end there
-  EXPECT_TRUE(is_bare(960, Foliage::unknown, 28));    // 6.3 to one, 0.18
-  EXPECT_FALSE(is_bare(960, Foliage::unknown, 36));   // 0.23
-  EXPECT_TRUE(is_bare(1450, Foliage::unlikely, 80));
-  EXPECT_FALSE(is_bare(1550, Foliage::likely, 80));
-}
-
-// What is leaf and what cane is asked of the month where echoes do not say it clearly.
-TEST(EchoModel, FewEchoesBesideThoseOfPostsAreOfLeavesWhereLeavesAreLikely) {
-  EXPECT_FALSE(is_bare(1200, Foliage::likely));  // five to one
-  EXPECT_TRUE(is_bare(1200, Foliage::unknown));
-  EXPECT_TRUE(is_bare(3000, Foliage::likely));   // two to one
-  EXPECT_FALSE(is_bare(900, Foliage::unknown));  // seven to one
-  EXPECT_TRUE(is_bare(900, Foliage::unlikely));
-  EXPECT_FALSE(is_bare(600, Foliage::unlikely));  // ten to one
-  EXPECT_TRUE(is_bare(600, Foliage::none));
-}
-
-// Posts of bright steel or white paint.
-TEST(EchoModel, LeavesMuchDarkerThanPostsAreLeavesWhereLeavesAreLikely) {
-  EchoStatistics statistics = whole_leaves(0.03, 0.3);
-  add_posts(statistics, 500);
-  EchoKnowledge known = lidar(0.03);
-  known.foliage = Foliage::likely;
-  EXPECT_FALSE(estimate_echo_model(statistics, known)->wood_returned);
 }
 
 // The same pairs of echoes: where what lies farther behind is in an echo, too, leaves are larger than they look.
